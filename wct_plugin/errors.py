@@ -1,0 +1,25 @@
+"""What can go wrong, as the user sees it: every message is one line that names what was found and what is allowed."""
+
+
+class WctError(Exception):
+    """Base of every error this package raises on purpose."""
+
+
+class InputError(WctError):
+    """A file or mesh that cannot be used: it names the file or element, the value found and what is allowed."""
+
+
+class OptionError(WctError):
+    """An unknown stage or option, a value out of range, or stages that do not fit together."""
+
+
+class OutputError(WctError):
+    """A result that could not be written; nothing is left behind under the target's name."""
+
+
+class NeighbourError(WctError):
+    """An external mesher or library that failed, ran out of time or gave an unusable result."""
+
+
+class WctWarning(UserWarning):
+    """Something the user had that could not be carried along; the message names it."""
