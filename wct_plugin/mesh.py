@@ -193,7 +193,7 @@ class TetMesh:
         stray = 0
         for name in ("facets", "edges", "nodes"):
             cells: Cells = getattr(self, name)
-            keep = used[cells.vertices].all(axis=1)
+            keep = np.all(used[cells.vertices], axis=1)
             stray += int((~keep).sum())
             _set(self, name, cells.select(keep, place[cells.vertices]))
         _store_mapping(self, "point_data", {name: values[used] for name, values in self.point_data.items()})
@@ -278,7 +278,9 @@ def _orient(points: Floats, tets: Ints) -> tuple[Ints, int]:
     signs = predicates.orientation(points, tets)
     flat = np.flatnonzero(signs == 0)
     if len(flat):
-        raise InputError(f"tet {flat[0]}, vertices {_row(tets[flat[0]])}, has zero volume{_and_more(flat)}; it must not")
+        raise InputError(
+            f"tet {flat[0]}, vertices {_row(tets[flat[0]])}, has zero volume{_and_more(flat)}; it must not"
+        )
     negative = signs < 0
     if negative.any():
         tets[negative] = tets[negative][:, [0, 1, 3, 2]]
@@ -310,8 +312,8 @@ def _data(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, N
 def _sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, Ints]:
     out = {}
     for name, given in values.items():
-        members = _indices(given, f"{kind} set {name!r}")
-        if members.ndim != 1 or (len(members) and not (0 <= members.min() and members.max() < count)):
+        members = _indices(given, f"members of {kind} set {name!r}")
+        if members.ndim != 1 or (len(members) and not (members.min() >= 0 and members.max() < count)):
             raise InputError(f"{kind} set {name!r} must be a list of indices in 0..{count - 1}")
         members.setflags(write=False)
         out[str(name)] = members

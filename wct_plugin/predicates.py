@@ -20,7 +20,9 @@ def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray
         terms = [(b[1], c[2], a[0]), (b[2], c[0], a[1]), (b[0], c[1], a[2])]
         minus = [(b[2], c[1], a[0]), (b[0], c[2], a[1]), (b[1], c[0], a[2])]
         det = sum((p * q - r * s) * t for (p, q, t), (r, s, _) in zip(terms, minus, strict=True))
-        size = sum((np.abs(p * q) + np.abs(r * s)) * np.abs(t) for (p, q, t), (r, s, _) in zip(terms, minus, strict=True))
+        size = sum(
+            (np.abs(p * q) + np.abs(r * s)) * np.abs(t) for (p, q, t), (r, s, _) in zip(terms, minus, strict=True)
+        )
         sure = np.abs(det) > _ORIENT_BOUND * size + 1e-300
     signs = np.sign(np.where(sure, det, 0.0)).astype(np.int64)
     for index in np.flatnonzero(~sure):
@@ -31,7 +33,5 @@ def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray
 def _orientation_exact(corners: NDArray[np.float64]) -> int:
     x0, x1, x2, x3 = ([Fraction(float(value)) for value in corner] for corner in corners)
     a, b, c = ([p - q for p, q in zip(x, x0, strict=True)] for x in (x1, x2, x3))
-    det = (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
+    det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
     return (det > 0) - (det < 0)

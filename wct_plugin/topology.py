@@ -73,20 +73,24 @@ class Topology:
     @cached_property
     def boundary(self) -> Ints:
         """(b, 3) boundary triangles, oriented outward."""
-        tet, local = self.boundary_half_facets.T
-        return self._tets[tet[:, None], FACETS[local]]
+        return self._facets(self.boundary_half_facets)
 
     @cached_property
     def interface_pairs(self) -> Ints:
         """(k, 4) rows of :attr:`interior_pairs` whose two tets have different region tags."""
         pairs = self.interior_pairs
-        return pairs[self._regions[pairs[:, 0]] != self._regions[pairs[:, 2]]]
+        across: Ints = pairs[self._regions[pairs[:, 0]] != self._regions[pairs[:, 2]]]
+        return across
 
     @cached_property
     def interfaces(self) -> Ints:
         """(k, 3) triangles between two regions, oriented out of the first tet of :attr:`interface_pairs`."""
-        tet, local = self.interface_pairs[:, :2].T
-        return self._tets[tet[:, None], FACETS[local]]
+        return self._facets(self.interface_pairs[:, :2])
+
+    def _facets(self, half_facets: Ints) -> Ints:
+        """(k, 3) the triangles of rows of tet and local facet, oriented out of the tet."""
+        triangles: Ints = self._tets[half_facets[:, :1], FACETS[half_facets[:, 1]]]
+        return triangles
 
     @cached_property
     def boundary_points(self) -> NDArray[np.bool_]:
@@ -117,7 +121,8 @@ class Topology:
         pairs = self.interior_pairs
         count = len(self._tets)
         graph = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 2])), shape=(count, count))
-        return connected_components(graph, directed=False)[1].astype(np.int64)
+        labels: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
+        return labels
 
 
 def _argsort_rows(triples: Ints, count: int) -> Ints:

@@ -1,0 +1,54 @@
+# make demo   a real surface through fTetWild, well-centered, measured, written
+# make test   the whole suite           make lint   style and types           make bench   speed
+# Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CORE := $(wildcard wct_plugin/core/*.h wct_plugin/core/*.cpp)
+
+# Headers and venv for Debian's own Python; for the tests, the X and GL libraries that gmsh's and pymeshlab's wheels load.
+DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exists(sysconfig.get_path("include")+"/Python.h") else "python3-dev")') \
+             $(shell $(PYTHON) -c 'import ensurepip' 2>/dev/null || echo python3-venv)
+DEB_TEST := libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
+SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
+
+.PHONY: demo test bench lint clean
+
+demo: $(VENV)/.demo
+	$(BIN)/wct optimize "$$($(BIN)/python -c 'import importlib.util as u; print(u.find_spec("pymeshlab").submodule_search_locations[0])')/tests/sample_meshes/bone.ply" \
+		bone.vtu --html bone.html; code=$$?; [ $$code -le 1 ] && echo "wrote bone.vtu and bone.html" && exit 0; exit $$code
+
+test: $(VENV)/.test
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run --Werror $(CORE)
+	$(BIN)/mypy
+
+bench: $(VENV)/.test
+	$(BIN)/python tests/benchmarks/bench_core.py
+
+# Editable installs see edits to Python files at once; a changed core, declaration or list of filters installs again.
+$(VENV)/.demo: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python
+	$(BIN)/pip install -e '.[report]'
+	touch $@
+
+$(VENV)/.test: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python deb-test
+	$(BIN)/pip install -e '.[test]'
+	touch $@ $(VENV)/.demo
+
+$(BIN)/python:
+	$(call apt,$(strip $(DEB_BUILD)))
+	$(PYTHON) -m venv $(VENV)
+
+.PHONY: deb-test
+deb-test:
+	$(call apt,$(shell command -v dpkg-query >/dev/null && for p in $(DEB_TEST); do dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || echo $$p; done))
+
+apt = $(if $(1),$(SUDO) apt-get update -q && $(SUDO) apt-get install -qy --no-install-recommends $(1))
+
+clean:
+	rm -rf $(VENV) build dist bone.vtu bone.html

@@ -1,0 +1,62 @@
+"""``filters.compute_scalar_by_well_centeredness``: how well-centered each tet is, as arrays to look at."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin import duals, quality
+from wct_plugin.mesh import TetMesh
+from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+
+
+class WellCenterednessOptions(Options):
+    """There is nothing to choose."""
+
+
+class ComputeScalarByWellCenteredness(Filter[WellCenterednessOptions]):
+    """Write per tet min_h_over_R, largest angles, flags and the shortest dual edge; per point the dual volume.
+
+    Cell data: ``min_h_over_R`` (positive: 3WC), ``max_face_angle`` and ``max_dihedral_angle`` in degrees, ``is_3wc``,
+    ``is_2wc``, ``is_cwc``, ``is_acute`` as 0 or 1, ``min_dual_length``, the shortest signed dual edge through the tet's
+    facets. Point data: ``dual_volume``, the signed volume of the point's circumcentric dual cell.
+    """
+
+    name = "compute_scalar_by_well_centeredness"
+    takes = TetMesh
+    gives = TetMesh
+    declaration = WellCenterednessOptions
+
+    def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        measured = quality.measure(mesh)
+        dual = duals.duals(mesh)
+        flags = {
+            "is_3wc": measured.well_centered_3,
+            "is_2wc": measured.well_centered_2,
+            "is_cwc": measured.completely_well_centered,
+            "is_acute": measured.acute,
+        }
+        cell_data: dict[str, NDArray[Any]] = {
+            "min_h_over_R": measured.min_height,
+            "max_face_angle": measured.max_face_angle,
+            "max_dihedral_angle": measured.max_dihedral_angle,
+            **{name: flag.astype(np.int8) for name, flag in flags.items()},
+            "min_dual_length": _shortest(mesh, dual.lengths),
+        }
+        marked = replace(
+            mesh,
+            cell_data={**mesh.cell_data, **cell_data},
+            point_data={**mesh.point_data, "dual_volume": dual.volumes},
+        )
+        return marked, {name.removeprefix("is_"): int(flag.sum()) for name, flag in flags.items()}
+
+
+def _shortest(mesh: TetMesh, lengths: quality.Floats) -> quality.Floats:
+    """(m,) the least of ``lengths`` (f,), ordered as in :class:`duals.Duals`, over each tet's four facets."""
+    pairs, border = mesh.topology.interior_pairs, mesh.topology.boundary_half_facets
+    out = np.full(len(mesh.tets), np.inf)
+    np.minimum.at(out, pairs[:, 0], lengths[: len(pairs)])
+    np.minimum.at(out, pairs[:, 2], lengths[: len(pairs)])
+    np.minimum.at(out, border[:, 0], lengths[len(pairs) :])
+    return out

@@ -1,0 +1,25 @@
+"""``filters.get_quality``: the report's numbers as metrics."""
+
+from pydantic import Field
+
+from wct_plugin.mesh import TetMesh
+from wct_plugin.report import make_report
+from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+
+
+class QualityOptions(Options):
+    """What the report lists."""
+
+    worst: int = Field(10, ge=0, description="How many of the worst tets to list")
+
+
+class GetQuality(Filter[QualityOptions]):
+    """Measure a tet mesh: ranges of h/R, angles and R/l, tiers, flags, and the worst tets with their place."""
+
+    name = "get_quality"
+    takes = TetMesh
+    gives = TetMesh
+    declaration = QualityOptions
+
+    def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        return mesh, make_report(mesh, worst=self.options.worst).to_dict()

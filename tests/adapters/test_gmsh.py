@@ -1,0 +1,153 @@
+"""Files that gmsh writes are read, and files we write are read by gmsh."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import pytest
+
+from wct_plugin.adapters.meshio import read, write
+from wct_plugin.mesh import TetMesh
+
+
+@pytest.fixture(autouse=True)
+def _session() -> Iterator[None]:
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield
+    gmsh.finalize()
+
+
+def two_boxes(path: Path, version: float, groups: dict[str, tuple[int, int, list[int]]], **options: int) -> TetMesh:
+    """Two boxes that share a face, meshed and written by gmsh; groups are name -> (dimension, tag, entities)."""
+    boxes = [gmsh.model.occ.addBox(at, 0, 0, 1, 1, 1) for at in (0, 1)]
+    gmsh.model.occ.fragment([(3, boxes[0])], [(3, boxes[1])])
+    gmsh.model.occ.synchronize()
+    for name, (dimension, tag, entities) in groups.items():
+        gmsh.model.addPhysicalGroup(dimension, entities, tag, name)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 1)
+    gmsh.model.mesh.generate(3)
+    gmsh.option.setNumber("Mesh.MshFileVersion", version)
+    for name, value in options.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+    gmsh.write(str(path))
+    mesh = read(path)
+    assert isinstance(mesh, TetMesh)
+    return mesh
+
+
+GROUPS = {
+    "left": (3, 11, [1]),
+    "right hand": (3, 12, [2]),
+    "wall": (2, 5, [1, 2]),
+    "edge": (1, 6, [1]),
+    "probe": (0, 9, [1]),
+}
+NAMES = {name: (tag, dimension) for name, (dimension, tag, _) in GROUPS.items()}
+versions = pytest.mark.parametrize("version", [2.2, 4.1])
+encodings = pytest.mark.parametrize("binary", [0, 1])
+
+
+@versions
+@encodings
+def test_two_volumes_with_groups(version: float, binary: int, tmp_path: Path) -> None:
+    mesh = two_boxes(tmp_path / "a.msh", version, GROUPS, Binary=binary)
+    assert dict(mesh.names) == NAMES
+    assert mesh.tag_name == "gmsh:physical"
+    assert set(mesh.regions) == {11, 12}
+    assert set(mesh.facets.tags) == {5}
+    assert set(mesh.edges.tags) == {6}
+    assert mesh.nodes.tags.tolist() == [9]
+    assert not mesh.tet_sets
+    assert not mesh.facets.sets
+    assert (mesh.points[mesh.tets[mesh.regions == 11]].mean(axis=1)[:, 0] < 1).all()
+    assert len(mesh.topology.interfaces)
+
+    write(tmp_path / "b.msh", mesh)
+    gmsh.open(str(tmp_path / "b.msh"))
+    groups = {gmsh.model.getPhysicalName(*group): group for group in gmsh.model.getPhysicalGroups()}
+    assert groups == {name: (dimension, tag) for name, (tag, dimension) in NAMES.items()}
+    volume = 0.0
+    for tag, region in ((11, 0), (12, 1)):
+        (entity,) = gmsh.model.getEntitiesForPhysicalGroup(3, tag)
+        centre = np.array(gmsh.model.getBoundingBox(3, int(entity))).reshape(2, 3).mean(axis=0)
+        assert centre == pytest.approx([0.5 + region, 0.5, 0.5], abs=1e-6)
+        kinds, ids, _ = gmsh.model.mesh.getElements(3, int(entity))
+        assert kinds.tolist() == [4]
+        volume += gmsh.model.mesh.getElementQualities(ids[0], "volume").sum()
+    assert volume == pytest.approx(2)
+    again = read(tmp_path / "b.msh")
+    assert isinstance(again, TetMesh)
+    for name in ("points", "tets", "regions"):
+        assert np.array_equal(getattr(again, name), getattr(mesh, name))
+    assert np.array_equal(again.cell_data["gmsh:geometrical"], mesh.cell_data["gmsh:geometrical"])
+
+
+@versions
+@encodings
+def test_without_groups_the_entities_are_the_tags(version: float, binary: int, tmp_path: Path) -> None:
+    mesh = two_boxes(tmp_path / "a.msh", version, {}, Binary=binary)
+    assert mesh.tag_name == "gmsh:geometrical"
+    assert set(mesh.regions) == {1, 2}
+    assert set(mesh.facets.tags) == set(range(1, 12))
+    write(tmp_path / "b.msh", mesh)
+    gmsh.open(str(tmp_path / "b.msh"))
+    assert gmsh.model.getPhysicalGroups() == []
+    assert [tag for _, tag in gmsh.model.getEntities(3)] == [1, 2]
+    again = read(tmp_path / "b.msh")
+    assert isinstance(again, TetMesh)
+    assert again.tag_name == "gmsh:geometrical"
+    assert np.array_equal(again.facets.tags, mesh.facets.tags)
+
+
+@encodings
+def test_groups_on_some_entities_only(binary: int, tmp_path: Path) -> None:
+    groups = {name: GROUPS[name] for name in ("left", "wall")}
+    mesh = two_boxes(tmp_path / "a.msh", 4.1, groups, Binary=binary, SaveAll=1)
+    assert set(mesh.regions) == {0, 11}
+    assert set(mesh.facets.tags) == {0, 5}
+    write(tmp_path / "b.msh", mesh)
+    gmsh.open(str(tmp_path / "b.msh"))
+    assert len(gmsh.model.getEntitiesForPhysicalGroup(3, 11)) == 1
+    assert len(gmsh.model.getEntities(3)) == 2
+
+
+@versions
+def test_a_cell_in_two_groups_keeps_the_second_as_a_set(version: float, tmp_path: Path) -> None:
+    mesh = two_boxes(tmp_path / "a.msh", version, GROUPS | {"all": (3, 99, [1, 2])})
+    assert set(mesh.regions) == {11, 12}
+    assert {name: len(members) for name, members in mesh.tet_sets.items()} == {"all": len(mesh.tets)}
+
+
+def test_what_we_write_is_read_by_gmsh(full: TetMesh, tmp_path: Path) -> None:
+    with pytest.warns(match="gmsh cannot carry"):
+        write(tmp_path / "a.msh", full)
+    gmsh.open(str(tmp_path / "a.msh"))
+    counts = {dim: sum(len(ids) for ids in gmsh.model.mesh.getElements(dim)[1]) for dim in range(4)}
+    assert counts == {0: 3, 1: 5, 2: 48, 3: 48}
+    assert gmsh.model.getPhysicalName(2, 7) == "the wall"
+    nodes = gmsh.model.mesh.getNodesForPhysicalGroup(2, 7)[0]
+    assert set(nodes - 1) == set(full.facets.vertices[full.facets.tags == 7].ravel())
+    assert len(gmsh.view.getTags()) == 7  # u, id, heat, flux and three sets
+
+
+@pytest.mark.parametrize("suffix", [".mesh", ".vtk", ".stl", ".su2", ".med", ".inp", ".bdf"])
+def test_other_formats_of_gmsh(suffix: str, tmp_path: Path) -> None:
+    gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    gmsh.model.occ.synchronize()
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 1)
+    gmsh.model.mesh.generate(3)
+    gmsh.write(str(tmp_path / f"a{suffix}"))
+    mesh = read(tmp_path / f"a{suffix}")
+    if suffix == ".stl":
+        assert len(mesh.triangles) == len(gmsh.model.mesh.getElements(2)[1][0])
+    else:
+        assert len(mesh.tets) == len(gmsh.model.mesh.getElements(3)[1][0])
+
+
+@pytest.mark.parametrize("suffix", [".mesh", ".med", ".bdf"])
+def test_gmsh_reads_our_other_formats(suffix: str, plain: TetMesh, tmp_path: Path) -> None:
+    write(tmp_path / f"a{suffix}", TetMesh(plain.points.round(9), plain.tets))
+    gmsh.open(str(tmp_path / f"a{suffix}"))
+    assert len(gmsh.model.mesh.getElements(3)[1][0]) == len(plain.tets)

@@ -1,0 +1,247 @@
+"""The report: its numbers, their formats, the JSON-able dict, the terminal's lines and the HTML page."""
+
+import json
+import re
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from builders import PAPER_TETS, ball, bcc, jittered_cube, kuhn_cube, rotation, single, two_region_cube
+
+from wct_plugin import quality
+from wct_plugin.errors import WctError
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.report import make_report, text_histogram
+from wct_plugin.report_page import html
+
+
+@pytest.mark.parametrize("name", PAPER_TETS)
+def test_paper_tets_in_print(name):
+    points, printed, letters = PAPER_TETS[name]
+    report = make_report(single(points))
+    rows = {measure: (low, high) for measure, low, high in report.rows_ranges()}
+    assert rows == {
+        "h/R": (printed[0], printed[1]),
+        "Face angle": (printed[2] + "°", printed[3] + "°"),
+        "Dihedral angle": (printed[4] + "°", printed[5] + "°"),
+        "R/ℓ": (printed[6], printed[7]),
+    }
+    percent = {"Y": ("1", "100.000 %"), "N": ("0", "0.000 %")}
+    flags = {flag: (count, share) for flag, count, share in report.rows_flags()}
+    assert [flags[flag] for flag in ("3WC", "2WC", "Acute")] == [percent[letter] for letter in letters]
+    assert flags["CWC"] == percent["Y" if letters.startswith("YY") else "N"]
+
+
+def test_dict_of_a_mesh():
+    mesh = ball(3)
+    report = make_report(replace(mesh, source="in.vtu"), worst=5)
+    measured = quality.measure(mesh)
+    found = report.to_dict()
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+    assert found["source"] == "in.vtu"
+    assert (found["points"], found["tets"]) == (len(mesh.points), len(mesh.tets))
+    assert found["regions"] == {"0": len(mesh.tets)}
+    assert found["boundary_facets"] == len(mesh.topology.boundary)
+    assert found["components"] == 1
+    assert found["repairs"] == {"flipped": 0, "orphan_points": 0, "stray_cells": 0}
+    assert found["volume"] == pytest.approx(measured.volume.sum())
+    assert found["ranges"]["h/R"] == {"min": measured.min_height.min(), "max": measured.max_height.max()}
+    assert found["ranges"]["face_angle"]["max"] == measured.max_face_angle.max()
+    assert found["ranges"]["dihedral_angle"]["min"] == measured.min_dihedral_angle.min()
+    assert found["ranges"]["R/l"]["max"] == measured.radius_over_edge.max()
+    for name, mask in (
+        ("3wc", measured.well_centered_3),
+        ("2wc", measured.well_centered_2),
+        ("cwc", measured.completely_well_centered),
+        ("acute", measured.acute),
+    ):
+        assert found[name] == {"count": mask.sum(), "percent": pytest.approx(100.0 * mask.mean())}
+    assert found["tier"] == "Delaunay"
+    assert found["tiers"] == {"valid": True, "Delaunay": True, "one-sided": False, "3WC": False, "CWC": False}
+    for name, total in (("h/R", 1), ("face_angle", 1), ("dihedral_angle", 6)):
+        histogram = found["histograms"][name]
+        assert len(histogram["edges"]) == len(histogram["counts"]) + 1
+        assert sum(histogram["counts"]) == total * len(mesh.tets)
+    negative = np.array(found["histograms"]["h/R"]["counts"])[np.array(found["histograms"]["h/R"]["edges"])[1:] <= 0]
+    assert negative.sum() == (measured.min_height < 0).sum()
+    assert found["deviation"] is None
+    assert sum(row["tets"] for row in found["bad_by_place"].values()) == len(mesh.tets)
+    assert sum(row["not_3wc"] for row in found["bad_by_place"].values()) == (~measured.well_centered_3).sum()
+    assert sum(row["not_cwc"] for row in found["bad_by_place"].values()) == (~measured.completely_well_centered).sum()
+    assert list(found["bad_by_place"]) == ["interior", "boundary", "crease", "corner"]
+
+
+def test_worst_tets_come_first_with_where_they_are():
+    mesh = two_region_cube(2)
+    points = mesh.points.copy()
+    centre = int(np.flatnonzero((points == 0.5).all(axis=1))[0])
+    points[centre] += [0.2, 0.1, 0.05]
+    mesh = TetMesh(points, mesh.tets, mesh.regions)
+    measured = quality.measure(mesh)
+    report = make_report(mesh, worst=7)
+    margin = np.minimum(measured.min_height, np.cos(np.radians(measured.max_face_angle)))
+    assert [margin[tet.tet] for tet in report.worst] == sorted(margin)[:7]
+    for tet in report.worst:
+        assert tet.region == mesh.regions[tet.tet]
+        assert tet.min_height == measured.min_height[tet.tet]
+        assert tet.max_face_angle == measured.max_face_angle[tet.tet]
+        assert tet.centroid == tuple(mesh.points[mesh.tets[tet.tet]].mean(axis=0))
+        assert tet.place in ("boundary", "crease", "corner")
+    assert len(report.rows_worst()) == 7
+    assert all(len(row) == len(report.worst_head()) for row in report.rows_worst())
+    assert make_report(mesh, worst=0).worst == ()
+    assert len(make_report(single(PAPER_TETS["n2y3y"][0])).worst) == 1
+
+
+def test_deviation_from_the_reference():
+    mesh = kuhn_cube(2)
+    surface = mesh.boundary_surface()
+    moved = SurfaceMesh(surface.points * 1.1, surface.triangles)
+    found = make_report(replace(mesh, reference=moved)).to_dict()["deviation"]
+    assert found["max"] == pytest.approx(0.1 * np.sqrt(3.0))
+    assert found["from_reference"] == pytest.approx(0.1 * np.sqrt(3.0))
+    assert found["to_reference"] == pytest.approx(0.1)
+    assert found["fraction_of_diagonal"] == pytest.approx(0.1 / 1.1)
+    assert 0 < found["sampling_error"] < 0.2
+    assert make_report(replace(mesh, reference=surface)).to_dict()["deviation"]["max"] < 1e-12
+
+
+def test_percent_never_rounds_to_all_or_none():
+    report = make_report(bcc(2))
+    many = replace(report, tets=10_000_000, flags={"3wc": 9_999_999, "2wc": 1, "cwc": 0, "acute": 10_000_000})
+    assert [row[2] for row in many.rows_flags()] == ["99.999 %", "0.001 %", "0.000 %", "100.000 %"]
+    assert many.to_dict()["3wc"]["percent"] == pytest.approx(99.99999)
+
+
+def test_infinite_values_become_none():
+    report = make_report(bcc(2))
+    broken = replace(report, ranges={**report.ranges, "R/l": (1.0, np.inf)}, volume=float("nan"))
+    found = broken.to_dict()
+    assert found["ranges"]["R/l"] == {"min": 1.0, "max": None}
+    assert found["volume"] is None
+    json.dumps(found, allow_nan=False)
+    assert broken.rows_ranges()[3] == ("R/ℓ", "1.000", "-")
+
+
+def test_all_but_flat_tets_are_reported_without_complaint():
+    """Volumes below rounding: values may be infinite, but nothing warns and no flag is given."""
+    rng = np.random.default_rng(0)
+    for seed in range(40):
+        points = rng.normal(size=(4, 3)) * [1, 1, 0] @ rotation(seed).T + rng.choice([0.0, 1.0, 100.0])
+        points[3] = rng.dirichlet(np.ones(3)) @ points[:3]
+        report = make_report(single(points))
+        json.dumps(report.to_dict(), allow_nan=False)
+        assert len(report.rows_worst()) == 1
+        assert report.flags["cwc"] == report.flags["acute"] == 0
+
+
+def test_rows_for_the_terminal():
+    report = make_report(replace(bcc(3), source="bcc.vtu"))
+    assert report.headline() == "bcc.vtu: 216 tets, 83 points, 100.000 % 3WC, 100.000 % CWC, tier CWC"
+    assert [row[:2] for row in report.rows_tiers()] == [
+        (tier, "yes") for tier in ("valid", "Delaunay", "one-sided", "3WC", "CWC")
+    ]
+    assert report.rows_places()[3] == ("corner", "216", "0", "0")
+    summary = dict(report.rows_summary())
+    assert summary["tets"] == "216"
+    assert summary["h/R, min"] == "0.316"
+    assert summary["tier"] == "CWC"
+    assert summary["deviation / diagonal"] == "-"
+    other = make_report(ball(3)).rows_summary()
+    assert [name for name, _ in other] == list(summary)
+    titles = [title for title, _ in report.text_histograms()]
+    assert len(titles) == len(set(titles)) == 3
+
+
+def test_text_histogram():
+    edges, counts = np.linspace(0.0, 5.0, 6), np.array([0, 8, 0, 1, 0])
+    assert text_histogram(edges, counts, "°", width=2) == ["1° ██ 8", "2°    0", "3° ▎  1"]
+    assert text_histogram(np.array([-0.5, 0.0, 0.5]), np.array([1, 1]), width=1) == ["-0.50 █ 1", " 0.00 █ 1"]
+    assert text_histogram(edges, np.zeros(5, dtype=int)) == []
+    tiny = text_histogram(edges, np.array([1, 0, 0, 0, 10**9]))
+    assert "▏" in tiny[0]  # anything above zero shows
+    assert "▏" not in tiny[1]
+
+
+class Page(HTMLParser):
+    """Checks that tags balance; collects text and attributes."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.text, self.attributes = [], [], []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += [(tag, *pair) for pair in attrs]
+        if tag not in ("meta", "br"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.attributes += [(tag, *pair) for pair in attrs]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def test_html_page_is_whole_and_needs_nothing_else():
+    before = make_report(replace(jittered_cube(3), source="/data/a <b>&$x$.vtu"), worst=3)
+    after = make_report(replace(bcc(2), source="/data/out.vtu"), worst=2)
+    text = html([before, after], "a <b> & c")
+    page = Page(text)
+    shown = " ".join(" ".join(page.text).split())
+    assert "a <b> & c" in shown
+    assert "<b>" not in text
+    assert "1: a <b>&$x$.vtu" in shown
+    assert "2: out.vtu" in shown
+    assert "data/" not in text  # names only, no paths of the machine it was made on
+    for expected in ("3WC", "one-sided", "100.000 %", "0.316", "Where the bad tets are", "corner", "min", "not CWC"):
+        assert expected in shown
+    assert text.count("<svg") == 1
+    assert "currentColor" in text
+    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", text)
+    assert not re.search(r"url\((?!#)|@import|<script|<link", text)
+    links = {
+        value for _, name, value in page.attributes if name.startswith("xmlns") is False and "http" in (value or "")
+    }
+    assert links == set()
+    assert text == html([before, after], "a <b> & c")  # the same reports, the same page
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_html_of_any_number_of_reports(count):
+    reports = [make_report(bcc(2), worst=0) for _ in range(count)]
+    page = Page(html(reports, "t"))
+    heads = [data for data in page.text if re.fullmatch(r"\d: mesh", data)]
+    assert {f"{k + 1}: mesh" for k in range(count)} == set(heads)
+    assert "Worst tets" not in " ".join(page.text)
+
+
+def test_html_of_nothing_and_without_matplotlib(monkeypatch):
+    with pytest.raises(ValueError, match="at least one"):
+        html([], "t")
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(WctError, match=r"pip install 'wct_plugin\[report\]'"):
+        html([make_report(bcc(2))], "t")
+
+
+def test_pages_leave_no_trace_in_matplotlib():
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    html([make_report(bcc(2))], "t")
+    assert dict(mpl.rcParams) == before
+
+
+def test_the_mesh_is_not_changed():
+    mesh = jittered_cube(3)
+    points, tets = mesh.points.copy(), mesh.tets.copy()
+    make_report(mesh)
+    assert (mesh.points == points).all()
+    assert (mesh.tets == tets).all()

@@ -1,0 +1,237 @@
+"""PLY surfaces, read and written here: meshio misreads faces that carry more than their vertices.
+
+MeshLab stores its quality per face after the vertex list, where meshio's reader loses its place.
+"""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import InputError
+from wct_plugin.mesh import SurfaceMesh
+
+_TYPES = {
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
+    "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
+    "float32": "f4", "float64": "f8", "int64": "i8", "uint64": "u8",
+}  # fmt: skip
+_NAMES = {
+    "i1": "char",
+    "u1": "uchar",
+    "i2": "short",
+    "u2": "ushort",
+    "i4": "int",
+    "u4": "uint",
+    "f4": "float",
+    "f8": "double",
+}
+_CORNERS = ("vertex_indices", "vertex_index")
+
+
+@dataclass(frozen=True)
+class _Property:
+    name: str
+    type: str
+    count: str = ""  #: type of the length where the property is a list
+
+
+@dataclass(frozen=True)
+class _Element:
+    name: str
+    count: int
+    properties: list[_Property]
+
+
+def read(path: Path) -> tuple[SurfaceMesh, list[str]]:
+    """The surface, and what of the file it cannot hold. Raises :class:`InputError` without the file's name."""
+    with path.open("rb") as file:
+        layout, elements = _header(file)
+        columns = {}
+        for element in elements:  # all that come before the last wanted one must be walked through
+            columns[element.name] = _ascii(file, element) if layout == "" else _binary(file, element, layout)
+    for needed in ("vertex", "face"):
+        if needed not in columns:
+            raise InputError(f"has no element {needed!r}; a surface needs vertices and faces")
+    vertex, face = columns["vertex"], columns["face"]
+    if not {"x", "y", "z"} <= vertex.keys():
+        raise InputError("its vertices lack x, y or z")
+    corners = next((face.pop(name) for name in _CORNERS if name in face), None)
+    if corners is None:
+        raise InputError(f"its faces have no list {_CORNERS[0]!r}")
+    lost = [f"face lists {name!r}" for name, values in face.items() if isinstance(values, list)]
+    lost += [f"vertex lists {name!r}" for name, values in vertex.items() if isinstance(values, list)]
+    lost += [f"elements {element.name!r}" for element in elements if element.name not in ("vertex", "face")]
+    points = np.column_stack([vertex.pop(axis) for axis in "xyz"])
+    surface = SurfaceMesh(
+        points,
+        _triangles(corners),
+        point_data={name: values for name, values in vertex.items() if not isinstance(values, list)},
+        cell_data={name: values for name, values in face.items() if not isinstance(values, list)},
+    )
+    return surface, lost
+
+
+def write(
+    path: Path, surface: SurfaceMesh, cell_data: dict[str, NDArray[Any]], point_data: dict[str, NDArray[Any]]
+) -> None:
+    """Binary, coordinates as doubles; the arrays have one value per face or point and names without blanks."""
+    columns = {axis: surface.points[:, k] for k, axis in enumerate("xyz")}
+    columns |= {name: _storable(values) for name, values in point_data.items()}
+    corners = {f"corner{k}": surface.triangles[:, k].astype("i4") for k in range(3)}
+    extra = {name: _storable(values) for name, values in cell_data.items()}
+    vertex = _table(columns)
+    face = _table({"count": np.full(len(surface.triangles), 3, dtype="u1")} | corners | extra)
+    lines = ["ply", f"format binary_{sys.byteorder}_endian 1.0", f"element vertex {len(vertex)}"]
+    lines += [f"property {_NAMES[values.dtype.str[1:]]} {name}" for name, values in columns.items()]
+    lines += [f"element face {len(face)}", "property list uchar int vertex_indices"]
+    lines += [f"property {_NAMES[values.dtype.str[1:]]} {name}" for name, values in extra.items()]
+    with path.open("wb") as file:
+        file.write(("\n".join(lines) + "\nend_header\n").encode())
+        file.write(vertex.tobytes())
+        file.write(face.tobytes())
+
+
+def _header(file: IO[bytes]) -> tuple[str, list[_Element]]:
+    """Byte order ('' for text) and the elements in the order of the file."""
+    if file.readline().strip() != b"ply":
+        raise InputError("does not begin with 'ply'")
+    layouts = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+    layout = None
+    elements: list[_Element] = []
+    while True:
+        line = file.readline()
+        if not line:
+            raise InputError("ends within its header")
+        match line.decode().split():
+            case ["end_header"]:
+                break
+            case ["format", name, "1.0"] if name in layouts:
+                layout = layouts[name]
+            case ["element", name, count]:
+                elements.append(_Element(name, int(count), []))
+            case ["property", "list", count, kind, name] if elements:
+                elements[-1].properties.append(_Property(name, _TYPES[kind], _TYPES[count]))
+            case ["property", kind, name] if elements:
+                elements[-1].properties.append(_Property(name, _TYPES[kind]))
+            case ["comment" | "obj_info", *_] | []:
+                pass
+            case _:
+                raise InputError(f"has the header line {line.decode().strip()[:60]!r}, which means nothing in PLY")
+    if layout is None:
+        raise InputError("its header names no format; allowed are ascii and binary")
+    for element in elements:
+        if not element.properties or element.count < 0:
+            raise InputError(
+                f"element {element.name!r} has {len(element.properties)} properties, count {element.count}"
+            )
+    return layout, elements
+
+
+def _binary(file: IO[bytes], element: _Element, order: str) -> dict[str, Any]:
+    here = file.tell()
+    lengths = _first_lengths(file, element, order)
+    file.seek(here)
+    row = _row_type(element, order, lengths)
+    data = file.read(row.itemsize * element.count)
+    table = np.frombuffer(data[: len(data) // row.itemsize * row.itemsize], dtype=row)
+    if len(table) == element.count and all((table[f"#{name}"] == size).all() for name, size in lengths.items()):
+        return {prop.name: _column(table[prop.name], prop) for prop in element.properties}
+    file.seek(here)  # lists of different lengths, or the file is too short: row by row tells which
+    return _gather(element, _binary_rows(file, element, order))
+
+
+def _first_lengths(file: IO[bytes], element: _Element, order: str) -> dict[str, int]:
+    if not element.count:
+        return {prop.name: 0 for prop in element.properties if prop.count}
+    first = next(_binary_rows(file, element, order))
+    return {prop.name: len(value) for prop, value in zip(element.properties, first, strict=True) if prop.count}
+
+
+def _row_type(element: _Element, order: str, lengths: dict[str, int]) -> np.dtype[Any]:
+    fields: list[Any] = []
+    for prop in element.properties:
+        if prop.count:
+            fields += [(f"#{prop.name}", order + prop.count), (prop.name, order + prop.type, (lengths[prop.name],))]
+        else:
+            fields.append((prop.name, order + prop.type))
+    return np.dtype(fields)
+
+
+def _binary_rows(file: IO[bytes], element: _Element, order: str) -> Iterator[list[Any]]:
+    for number in range(element.count):
+        row = []
+        for prop in element.properties:
+            size = int(_take(file, order + prop.count, 1, element, number)[0]) if prop.count else 1
+            values = _take(file, order + prop.type, size, element, number)
+            row.append(values if prop.count else values[0])
+        yield row
+
+
+def _take(file: IO[bytes], kind: str, size: int, element: _Element, number: int) -> NDArray[Any]:
+    values = np.frombuffer(file.read(np.dtype(kind).itemsize * size), dtype=kind)
+    if size < 0 or len(values) != size:
+        raise InputError(f"ends within {element.name} {number} of {element.count}")
+    return values
+
+
+def _ascii(file: IO[bytes], element: _Element) -> dict[str, Any]:
+    return _gather(element, _ascii_rows(file, element))
+
+
+def _ascii_rows(file: IO[bytes], element: _Element) -> Iterator[list[Any]]:
+    for number in range(element.count):
+        words = file.readline().split()
+        row: list[Any] = []
+        for prop in element.properties:
+            size = int(words.pop(0)) if prop.count and words else 1
+            if len(words) < size:
+                raise InputError(f"ends within {element.name} {number} of {element.count}")
+            values = np.array(words[:size], dtype=float).astype(prop.type) if size else np.empty(0, prop.type)
+            del words[:size]
+            row.append(values if prop.count else values[0])
+        yield row
+
+
+def _gather(element: _Element, rows: Iterator[list[Any]]) -> dict[str, Any]:
+    columns = list(zip(*rows, strict=True)) or [()] * len(element.properties)
+    return {
+        prop.name: list(column) if prop.count and len({len(value) for value in column}) > 1 else
+        _column(np.array(column, dtype=prop.type), prop)
+        for prop, column in zip(element.properties, columns, strict=True)
+    }  # fmt: skip
+
+
+def _column(values: NDArray[Any], prop: _Property) -> Any:
+    """Lists of one common length stay lists, except the corners, which are to become an array."""
+    return list(values) if prop.count and prop.name not in _CORNERS else values
+
+
+def _triangles(corners: Any) -> NDArray[np.int64]:
+    if isinstance(corners, list) or (len(corners) and corners.shape[1] != 3):
+        number = next(k for k, face in enumerate(corners) if len(face) != 3)
+        kind = {4: "a quad"}.get(len(corners[number]), f"a polygon of {len(corners[number])} corners")
+        raise InputError(f"face {number} is {kind}; allowed are triangles")
+    return np.asarray(corners, dtype=np.int64).reshape(-1, 3)
+
+
+def _storable(values: NDArray[Any]) -> NDArray[Any]:
+    """The array in a type PLY has: no 64-bit integers, no truth values."""
+    if values.dtype.kind == "b":
+        return values.astype("u1")
+    if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
+        fits = not len(values) or (values.min() >= -(2**31) and values.max() < 2**31)
+        return values.astype("i4" if fits else "f8")
+    return values
+
+
+def _table(columns: dict[str, NDArray[Any]]) -> NDArray[Any]:
+    count = len(next(iter(columns.values())))
+    table = np.empty(count, dtype=[(name, values.dtype) for name, values in columns.items()])
+    for name, values in columns.items():
+        table[name] = values
+    return table

@@ -1,0 +1,183 @@
+"""FTetWild, through pytetwild: tetrahedra from a triangle surface, in a process of its own.
+
+The native code ends the whole process on some inputs, prints at will, runs for minutes and hears no Ctrl-C, so it
+never runs in ours. This file is both sides: the parent calls :func:`tetrahedralize`, which starts the file as
+``python -m wct_plugin.adapters.pytetwild IN OUT OPTIONS``.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin import predicates
+from wct_plugin.errors import InputError, NeighbourError, OptionError
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_FLAT = 1e-9  # thickness over diagonal below which a surface counts as planar
+
+
+def tetrahedralize(
+    surface: SurfaceMesh,
+    *,
+    edge_length: float = 0.05,
+    epsilon: float = 1e-3,
+    stop_energy: float = 10.0,
+    num_opt_iter: int = 80,
+    coarsen: bool = False,
+    timeout: float | None = None,
+) -> TetMesh:
+    """Fill a surface with tetrahedra by fTetWild.
+
+    fTetWild is not reproducible: the same call gives another mesh each time, even on one thread. Its surface is
+    near the given one, within ``epsilon``, but not on it; the given surface is kept as the result's ``reference``.
+
+    Parameters
+    ----------
+    surface : SurfaceMesh
+        What to fill; holes, self-intersections and gaps are tolerated, but it must not lie in one plane.
+    edge_length : float
+        Target edge length as a fraction of the bounding box's diagonal, above 0, at most 1.
+    epsilon : float
+        Greatest distance from the surface as a fraction of the diagonal, above 0, at most 1.
+    stop_energy : float
+        Optimisation stops when the AMIPS energy of every tet is below; at least 3, the energy of a regular tet.
+    num_opt_iter : int
+        At most so many optimisation passes, at least 1.
+    coarsen : bool
+        Make tets as large as quality allows.
+    timeout : float or None
+        Seconds after which the mesher is stopped; None waits for ever.
+
+    Returns
+    -------
+    TetMesh
+        Positively oriented, with ``reference`` and ``source`` set.
+
+    Raises
+    ------
+    OptionError
+        For an option out of range.
+    InputError
+        For a planar surface.
+    NeighbourError
+        If fTetWild crashes, runs out of time or fills nothing.
+    """
+    _check_between("edge_length", edge_length, 1.0)
+    _check_between("epsilon", epsilon, 1.0)
+    _check_at_least("stop_energy", stop_energy, 3.0)
+    _check_at_least("num_opt_iter", num_opt_iter, 1)
+    if timeout is not None and not timeout > 0:
+        raise OptionError(f"timeout is {timeout}; allowed is a number of seconds above 0, or None")
+    _check_solid(surface)
+    options = {
+        "edge_length_fac": float(edge_length),
+        "epsilon": float(epsilon),
+        "stop_energy": float(stop_energy),
+        "num_opt_iter": int(num_opt_iter),
+        "coarsen": bool(coarsen),
+    }
+    with tempfile.TemporaryDirectory(prefix="wct_") as folder:
+        given, made = Path(folder, "surface.npz"), Path(folder, "tets.npz")
+        # fTetWild dies of a segmentation fault on points that no triangle uses.
+        used, triangles = np.unique(surface.triangles, return_inverse=True)
+        np.savez(given, points=surface.points[used], triangles=triangles.reshape(-1, 3))
+        _run([str(given), str(made), json.dumps(options)], timeout)
+        if not made.exists():
+            raise NeighbourError("fTetWild ended without a result")
+        with np.load(made) as arrays:
+            points, tets = arrays["points"], arrays["tets"]
+    return _mesh(points, tets, surface)
+
+
+def _check_between(name: str, value: float, high: float) -> None:
+    if not 0 < value <= high:  # also false for NaN
+        raise OptionError(f"{name} is {value}; allowed is above 0, at most {high:g}")
+
+
+def _check_at_least(name: str, value: float, low: float) -> None:
+    if not low <= value < np.inf:
+        raise OptionError(f"{name} is {value}; allowed is at least {low:g}")
+
+
+def _check_solid(surface: SurfaceMesh) -> None:
+    """FTetWild dies of a segmentation fault on a planar surface, so it is not asked."""
+    points = surface.points[np.unique(surface.triangles)]
+    diagonal = surface.diagonal
+    centred = (points - points.mean(axis=0)) / (diagonal or 1.0)
+    normal = np.linalg.svd(centred.T @ centred)[0][:, 2]
+    thickness = float(np.ptp(centred @ normal))
+    if thickness <= _FLAT:
+        name = f"{surface.source}: " if surface.source else ""
+        raise InputError(
+            f"{name}the surface is planar, {thickness:.1e} of its diagonal thick; "
+            "fTetWild needs one that encloses a volume"
+        )
+
+
+def _run(arguments: list[str], timeout: float | None) -> None:
+    # -P keeps the working directory, where a numpy.py may lie, off the child's path.
+    command = [sys.executable, "-P", "-m", "wct_plugin.adapters.pytetwild", *arguments]
+    # It stays in our process group, so that whoever ends the group ends the child; it starts no process of its own.
+    child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    with child:
+        try:
+            output, _ = child.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired as error:
+            child.kill()
+            raise NeighbourError(
+                f"fTetWild was stopped after {timeout:g} s, its timeout; a larger epsilon or edge_length, "
+                "fewer num_opt_iter or a repaired surface is faster"
+            ) from error
+        except BaseException:  # Ctrl-C does not reach native code
+            child.kill()
+            raise
+    if child.returncode < 0:
+        raise NeighbourError(f"fTetWild crashed with {signal.Signals(-child.returncode).name}{_tail(output)}")
+    if child.returncode:
+        raise NeighbourError(f"fTetWild failed with exit code {child.returncode}{_tail(output)}")
+
+
+def _tail(output: bytes) -> str:
+    lines = [" ".join(line.split()) for line in output.decode(errors="replace").splitlines()]
+    said = " | ".join([line for line in lines if line][-2:])
+    return f"; it last said: {said[-300:]}" if said else ""
+
+
+def _mesh(points: Floats, tets: Ints, surface: SurfaceMesh) -> TetMesh:
+    if not len(tets):
+        raise NeighbourError("fTetWild filled nothing: is the surface open, or thinner than epsilon?")
+    signs = predicates.orientation(points, tets)
+    # Every tet of fTetWild comes negatively oriented. It is turned here, so that the mesh's count of repairs
+    # is about the user's own data.
+    negative = signs < 0
+    tets[negative] = tets[negative][:, [0, 1, 3, 2]]
+    used, tets = np.unique(tets, return_inverse=True)
+    try:
+        return TetMesh(points[used], tets.reshape(-1, 4), reference=surface, source=surface.source)
+    except InputError as error:
+        raise NeighbourError(f"fTetWild gave an unusable mesh: {error}") from error
+
+
+def _child(given: str, made: str, options: str) -> None:
+    # pytetwild imports pyvista for an accessor that is of no use here, and fails without it: an empty module will do.
+    sys.modules["pyvista"] = ModuleType("pyvista")
+    from pytetwild import pytetwild
+
+    with np.load(given) as arrays:
+        points, triangles = arrays["points"], arrays["triangles"].astype(np.int32)
+    points, tets = pytetwild.tetrahedralize(points, triangles, quiet=True, **json.loads(options))
+    np.savez(made, points=points, tets=tets.astype(np.int64))
+
+
+if __name__ == "__main__":
+    _child(*sys.argv[1:])

@@ -1,0 +1,96 @@
+"""Writing files so that nothing half written carries the target's name, and refusing early what cannot be written."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from wct_plugin.errors import OutputError
+
+
+def check_writable(path: str | Path) -> None:
+    """Find out, before any work is done, whether a file can be created under this name.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file that is to be written; it may or may not exist.
+
+    Raises
+    ------
+    OutputError
+        If the directory is missing or takes no new file, or if a directory has the name.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise OutputError(f"{path}: is a directory; a file name is needed")
+    if not target.parent.is_dir():
+        raise OutputError(f"{path}: there is no directory {target.parent}; create it first")
+    try:
+        # Only creating a file tells: permission bits say nothing to root, nor about read-only or full disks.
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}."):
+            pass
+    except OSError as error:
+        raise _unwritable(path, error) from error
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Let the body write to a temporary path and rename the result to ``path`` if the body succeeds.
+
+    The temporary path has the target's own file name in a hidden directory next to it. A writer that chooses its
+    format by suffix, adds companions (``.node`` + ``.ele``, ``.xdmf`` + ``.h5``) or stores a companion's name inside
+    a file thus sees what it would see at the target; companions are moved too, before the target. Whatever is
+    raised, KeyboardInterrupt included, nothing temporary stays and an existing target is as it was.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write. Where it is a symbolic link, the file it points to is replaced.
+
+    Yields
+    ------
+    Path
+        Where the body must write.
+
+    Raises
+    ------
+    OutputError
+        For an :class:`OSError` of the body or of the renaming (disk full, no permission), naming path and reason.
+    """
+    target = Path(path)
+    if target.is_symlink():
+        target = target.resolve()
+    try:
+        if target.is_dir():
+            raise IsADirectoryError(0, "is a directory; a file name is needed")
+        work = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
+        try:
+            yield work / target.name
+            _move(work, target)
+        finally:
+            # What is raised here is the body's own exception, which matters more than a rest that cannot be removed.
+            shutil.rmtree(work, ignore_errors=True)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+
+
+def _move(work: Path, target: Path) -> None:
+    made = sorted(work.iterdir(), key=lambda file: file.name == target.name)
+    if not made or made[-1].name != target.name:
+        raise FileNotFoundError(0, "nothing was written")
+    for file in made:
+        if (target.parent / file.name).is_dir():
+            raise IsADirectoryError(0, f"there is a directory named {file.name}")
+        with file.open("rb") as handle:
+            os.fsync(handle.fileno())  # some file systems report a full disk only now
+    for file in made:
+        file.replace(target.parent / file.name)
+
+
+def _unwritable(path: str | Path, error: OSError) -> OutputError:
+    # NumPy's tofile reports a short write without saying why; a full disk is what causes it.
+    reason = error.strerror or f"{error} (is the disk full?)"
+    return OutputError(f"{path}: cannot be written: {reason}")

@@ -1,0 +1,291 @@
+"""The surfaces inside and around a mesh: patches, creases and corners."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.topology import FACETS
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: Names of the values of :attr:`Strata.stratum` and of :func:`place`.
+PLACES = ("interior", "boundary", "crease", "corner")
+#: A crease that turns by more than this at a vertex, in degrees, has a corner there.
+CORNER_TURN = 45.0
+#: A sharp crease with a free end is noise of the tessellation if it is shorter than this many local edge lengths.
+DANGLING = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Strata:
+    """What a vertex may do: move freely, on its patch, along its curve, or not at all.
+
+    The surface is the boundary, the interfaces between regions and the tagged facets inside a region.
+    """
+
+    triangles: Ints  #: (t, 3) boundary (outward), then interfaces, then tagged facets inside a region
+    patch: Ints  #: (t,) patch id of each triangle, from 0
+    segments: Ints  #: (s, 2) crease edges, ends ascending
+    curve: Ints  #: (s,) curve id of each segment, from 0; a closed loop without corners is one curve
+    stratum: NDArray[np.int8]  #: (n,) 0 interior, 1 patch, 2 crease, 3 corner: see :data:`PLACES`
+    label: Ints  #: (n,) patch id of a patch point, curve id of a crease point, -1 otherwise
+
+
+def strata(mesh: TetMesh, crease_angle: float = 40.0) -> Strata:
+    """Patches, crease curves and corners of a mesh.
+
+    A crease is an edge where the surface bends by more than ``crease_angle`` degrees, where other than two surface
+    triangles meet, where facet tags, facet sets or the regions on either side change, or that is tagged itself
+    (``mesh.edges``, inside the mesh too). Short dangling creases that only their angle makes are dropped: they are
+    noise of the tessellation. A corner is a crease vertex where other than two creases meet or the crease turns by
+    more than 45 degrees, where the tags of tagged edges change, a tagged vertex (``mesh.nodes``), or a vertex where
+    sheets of the surface touch that share no edge.
+    """
+    count = len(mesh.points)
+    triangles, signature = _surface(mesh)
+    edges, owners, starts, sizes, forward = _surface_edges(triangles, count)
+
+    first, second = owners[starts], owners[starts + sizes - 1]
+    paired = sizes == 2
+    hard = ~paired | (signature[first] != signature[second])
+    same_way = forward[starts] == forward[starts + sizes - 1]
+    bend = _bend(mesh.points, triangles, first, second, same_way)
+    sharp = paired & (bend > np.radians(crease_angle))
+    user, user_signature = _user_edges(mesh)
+    edge_keys, user_keys = edges @ [count, 1], user @ [count, 1]
+    hard |= np.isin(edge_keys, user_keys)
+    loose = ~np.isin(user_keys, edge_keys)  # tagged edges away from every surface
+
+    pinned = _pinched(triangles, owners, starts, sizes, edges, count)
+    pinned[mesh.nodes.vertices] = True
+    crease = hard | sharp
+    segments = edges[crease]
+    keep = _without_dangling(mesh.points, segments, hard[crease], pinned, _local_size(mesh.points, edges))
+    crease[crease] = keep
+    segments = np.concatenate([segments[keep], user[loose]])
+    segment_keys = segments @ [count, 1]
+    order = np.argsort(segment_keys)
+    segments, segment_keys = segments[order], segment_keys[order]
+
+    tag = np.full(len(segments), -1, dtype=np.int64)
+    tag[np.searchsorted(segment_keys, user_keys)] = user_signature
+    corner = _corners(mesh.points, segments, tag) | pinned
+    curve = _chains(segments, corner, count)
+
+    smooth = paired & ~crease
+    patch = _components(first[smooth], second[smooth], len(triangles))
+    stratum = np.zeros(count, dtype=np.int8)
+    label = np.full(count, -1, dtype=np.int64)
+    stratum[triangles] = 1
+    label[triangles] = patch[:, None]
+    stratum[segments] = 2
+    label[segments] = curve[:, None]
+    stratum[corner] = 3
+    label[corner] = -1
+    for values in (triangles, patch, segments, curve, stratum, label):
+        values.setflags(write=False)
+    return Strata(triangles, patch, segments, curve, stratum, label)
+
+
+def place(mesh: TetMesh, of: Strata) -> NDArray[np.int8]:
+    """(m,) where each tet sits: the highest stratum among its vertices, an index into :data:`PLACES`."""
+    places: NDArray[np.int8] = of.stratum[mesh.tets].max(axis=1)
+    return places
+
+
+def enclosed_volume(points: Floats, triangles: Ints) -> float:
+    """Volume inside a closed surface of outward triangles (k, 3) on ``points`` (n, 3); negative if they run inward."""
+    corners = points[triangles] - points[triangles].mean(axis=(0, 1))  # near the origin nothing cancels
+    return float(np.einsum("ij,ij->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
+
+
+def _surface(mesh: TetMesh) -> tuple[Ints, Ints]:
+    """All surface triangles, and a label that is equal where regions, facet tags and facet sets are equal."""
+    topology, count = mesh.topology, len(mesh.points)
+    boundary, interfaces = topology.boundary, topology.interfaces
+    tagged = np.unique(np.sort(mesh.facets.vertices, axis=1), axis=0)
+    inner, inner_tets = _inside(mesh, tagged)
+    triangles = np.concatenate([boundary, interfaces, inner])
+
+    outside = np.iinfo(np.int64).min
+    region = mesh.regions[topology.boundary_half_facets[:, 0]]
+    sides = [
+        np.column_stack([np.full(len(boundary), outside), region]),
+        np.sort(mesh.regions[topology.interface_pairs[:, ::2]], axis=1),
+        np.repeat(mesh.regions[inner_tets][:, None], 2, axis=1),
+    ]
+    groups = _groups(triangles, mesh.facets, count)
+    return triangles, _distinct(np.column_stack([np.concatenate(sides), groups]))
+
+
+def _inside(mesh: TetMesh, tagged: Ints) -> tuple[Ints, Ints]:
+    """The ``tagged`` triples that are facets inside a region, oriented out of their first tet, and that tet."""
+    pairs = mesh.topology.interior_pairs
+    touched = np.zeros(len(mesh.points), dtype=bool)
+    touched[tagged] = True
+    if len(tagged):
+        near = touched[mesh.tets].sum(axis=1) >= 3
+        pairs = pairs[near[pairs[:, 0]] & near[pairs[:, 2]]]
+        pairs = pairs[mesh.regions[pairs[:, 0]] == mesh.regions[pairs[:, 2]]]
+    else:
+        pairs = pairs[:0]
+    facets = mesh.tets[pairs[:, :1], FACETS[pairs[:, 1]]]
+    found = _find(tagged, np.sort(facets, axis=1), len(mesh.points)) >= 0
+    return facets[found], pairs[found, 0]
+
+
+def _groups(cells: Ints, tagged: Cells, count: int) -> Ints:
+    """(k, g) per cell the groups (tag values, then sets) it belongs to, ascending, filled up with -1."""
+    place_of = _find(np.sort(cells, axis=1), np.sort(tagged.vertices, axis=1), count)
+    values, group = np.unique(tagged.tags, return_inverse=True)
+    pairs = [np.column_stack([place_of, group])]
+    for k, name in enumerate(sorted(tagged.sets)):
+        members = place_of[tagged.sets[name]]
+        pairs.append(np.column_stack([members, np.full(len(members), len(values) + k)]))
+    belongs = np.unique(np.concatenate(pairs), axis=0)
+    belongs = belongs[belongs[:, 0] >= 0]
+    starts = np.searchsorted(belongs[:, 0], np.arange(len(cells) + 1))
+    width = int(np.diff(starts).max(initial=0))
+    out = np.full((len(cells), width), -1, dtype=np.int64)
+    out[belongs[:, 0], np.arange(len(belongs)) - starts[belongs[:, 0]]] = belongs[:, 1]
+    return out
+
+
+def _user_edges(mesh: TetMesh) -> tuple[Ints, Ints]:
+    """The tagged edges that are edges of the mesh, each once, and a label equal where tags and sets are equal."""
+    if not len(mesh.edges):
+        return np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
+    edges = np.unique(np.sort(mesh.edges.vertices, axis=1), axis=0)
+    edges = edges[_find(mesh.topology.edges, edges, len(mesh.points)) >= 0]
+    return edges, _distinct(_groups(edges, mesh.edges, len(mesh.points)))
+
+
+def _surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, Bools]:
+    """Every edge (e, 2) once, and its triangles: ``owners[starts[k] : starts[k] + sizes[k]]``.
+
+    ``forward`` goes with ``owners``: does the triangle run through the edge from its smaller end to its larger?
+    """
+    ends = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    forward = ends[:, 0] < ends[:, 1]
+    ends = np.sort(ends, axis=1)
+    keys = ends @ [count, 1]
+    order = np.argsort(keys, kind="stable")
+    _, starts, sizes = np.unique(keys[order], return_index=True, return_counts=True)
+    return ends[order[starts]], order // 3, starts, sizes, forward[order]
+
+
+def _bend(points: Floats, triangles: Ints, first: Ints, second: Ints, same_way: Bools) -> Floats:
+    """Angle in radians between two triangles' normals; they disagree on a side where both run the same way."""
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    a, b = normals[first], normals[second] * np.where(same_way, -1.0, 1.0)[:, None]
+    return _angle(a, b)
+
+
+def _angle(a: Floats, b: Floats) -> Floats:
+    """Angle in radians between the rows of (k, 3) and (k, 3), accurate near 0 and pi."""
+    angle: Floats = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ij,ij->i", a, b))
+    return angle
+
+
+def _pinched(triangles: Ints, owners: Ints, starts: Ints, sizes: Ints, edges: Ints, count: int) -> Bools:
+    """(n,) vertices whose triangles fall into sheets that share no edge at the vertex."""
+    follows = np.ones(len(owners), dtype=bool)
+    follows[starts] = False  # link each triangle of an edge to the one before it
+    later = np.flatnonzero(follows)
+    edge = np.repeat(np.arange(len(edges)), sizes)[later]
+    links = []
+    for end in edges[edge].T:
+        links.append(
+            [3 * t + np.argmax(triangles[t] == end[:, None], axis=1) for t in (owners[later], owners[later - 1])]
+        )
+    rows, columns = np.concatenate(links, axis=1)
+    sheet = _components(rows, columns, 3 * len(triangles))
+    _, one = np.unique(sheet, return_index=True)
+    pinched: Bools = np.bincount(triangles.ravel()[one], minlength=count) > 1
+    return pinched
+
+
+def _local_size(points: Floats, edges: Ints) -> Floats:
+    """(n,) mean length of the surface edges at each vertex, 0 away from the surface."""
+    lengths = np.repeat(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1), 2)
+    degree = np.bincount(edges.ravel(), minlength=len(points))
+    mean: Floats = np.bincount(edges.ravel(), lengths, minlength=len(points)) / np.maximum(degree, 1)
+    return mean
+
+
+def _without_dangling(points: Floats, segments: Ints, hard: Bools, pinned: Bools, size: Floats) -> Bools:
+    """(s,) which segments stay when short chains of sharp segments with a free end are cut off, again and again."""
+    keep = np.ones(len(segments), dtype=bool)
+    lengths = np.linalg.norm(points[segments[:, 0]] - points[segments[:, 1]], axis=1)
+    while True:
+        rows = np.flatnonzero(keep)
+        ends = segments[rows]
+        degree = np.bincount(ends.ravel(), minlength=len(points))
+        breaks = (degree != 2) | pinned
+        breaks[ends[hard[rows]]] = True
+        chain = _chains(ends, breaks, len(points))
+        total = np.bincount(chain, lengths[rows])
+        scale = np.bincount(chain, size[ends].mean(axis=1)) / np.bincount(chain)
+        free = np.bincount(chain, ((degree == 1) & ~pinned)[ends].any(axis=1)) > 0
+        fixed = np.bincount(chain, hard[rows]) > 0
+        cut = (free & ~fixed & (total < DANGLING * scale))[chain]
+        if not cut.any():
+            return keep
+        keep[rows[cut]] = False
+
+
+def _corners(points: Floats, segments: Ints, tag: Ints) -> Bools:
+    """(n,) where other than two segments meet, two meet at a sharp turn, or two of different tags meet."""
+    degree = np.bincount(segments.ravel(), minlength=len(points))
+    out: Bools = (degree > 0) & (degree != 2)
+    through, (a, b) = _through(segments, degree == 2)
+    ends_a, ends_b = (segments[s].sum(axis=1) - through for s in (a, b))
+    turn = _angle(points[through] - points[ends_a], points[ends_b] - points[through])
+    out[through[(turn > np.radians(CORNER_TURN)) | (tag[a] != tag[b])]] = True
+    return out
+
+
+def _through(segments: Ints, smooth: Bools) -> tuple[Ints, Ints]:
+    """The ``smooth`` vertices on exactly two segments, and these two (2, k)."""
+    ends = segments.ravel()
+    order = np.argsort(ends, kind="stable")
+    order = order[smooth[ends[order]]]
+    return ends[order[::2]], (order // 2).reshape(-1, 2).T
+
+
+def _chains(segments: Ints, breaks: Bools, count: int) -> Ints:
+    """(s,) chain ids: segments that meet at a vertex of exactly two segments that is no break are in one chain."""
+    smooth = (np.bincount(segments.ravel(), minlength=count) == 2) & ~breaks
+    _, (a, b) = _through(segments, smooth)
+    return _components(a, b, len(segments))
+
+
+def _components(rows: Ints, columns: Ints, count: int) -> Ints:
+    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.int64) if count else np.empty(0, dtype=np.int64)
+
+
+def _find(rows: Ints, wanted: Ints, count: int) -> Ints:
+    """For each of the ``wanted`` rows the index of an equal one of ``rows`` (all entries below ``count``), or -1."""
+    both = np.concatenate([rows, wanted])
+    key = both[:, 0] if both.shape[1] else np.zeros(len(both), dtype=np.int64)
+    for column in both.T[1:]:
+        key = np.unique(key, return_inverse=True)[1] * count + column
+    table, needles = key[: len(rows)], key[len(rows) :]
+    order = np.argsort(table, kind="stable")
+    at = np.minimum(np.searchsorted(table, needles, sorter=order), max(len(rows) - 1, 0))
+    if not len(rows):
+        return np.full(len(wanted), -1, dtype=np.int64)
+    return np.where(table[order[at]] == needles, order[at], -1)
+
+
+def _distinct(rows: Ints) -> Ints:
+    """(k,) a number per row, equal where rows are equal."""
+    return np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
