@@ -113,6 +113,15 @@ def test_groups_on_some_entities_only(binary: int, tmp_path: Path) -> None:
     assert len(gmsh.model.getEntities(3)) == 2
 
 
+def test_from_gmsh_to_medit(tmp_path: Path) -> None:
+    """meshio itself fails here, on the entities of the points that a file of version 4.1 has."""
+    mesh = two_boxes(tmp_path / "a.msh", 4.1, GROUPS)
+    with pytest.warns(match="Medit cannot carry, so dropped: 1 tagged vertices, cell data 'gmsh:geometrical', name"):
+        write(tmp_path / "a.mesh", mesh)
+    gmsh.open(str(tmp_path / "a.mesh"))
+    assert len(gmsh.model.getEntities(3)) == 2
+
+
 @versions
 def test_a_cell_in_two_groups_keeps_the_second_as_a_set(version: float, tmp_path: Path) -> None:
     mesh = two_boxes(tmp_path / "a.msh", version, GROUPS | {"all": (3, 99, [1, 2])})

@@ -191,6 +191,14 @@ def test_the_same_name_with_other_shapes_is_dropped_aloud(plain: TetMesh, tmp_pa
         write(tmp_path / "a.vtu", mesh)
 
 
+def test_tags_of_an_unusual_name_stay_tags(plain: TetMesh, tmp_path: Path) -> None:
+    regions = np.arange(len(plain.tets)) % 2
+    mesh = dataclasses.replace(plain, regions=regions, tag_name="material", cell_data={"gmsh:physical": regions * 9})
+    got, said = there_and_back(mesh, tmp_path / "a.vtu")
+    assert np.array_equal(got.regions, regions)
+    assert said.endswith("dropped: cell data 'gmsh:physical', whose name is that of the tags")
+
+
 def test_medit_after_gmsh_and_back(full: TetMesh, tmp_path: Path) -> None:
     with pytest.warns(WctWarning):
         write(tmp_path / "a.msh", full)

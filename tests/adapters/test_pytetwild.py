@@ -54,7 +54,8 @@ def volume(mesh: Any) -> float:
     return float(np.einsum("ij,ij->i", np.cross(a, b), c).sum() / 6)
 
 
-def test_a_cube(capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_cube(capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     surface = box(5.0)
     mesh = tetrahedralize(surface, **FAST)
     assert volume(mesh) == pytest.approx(125, rel=0.01)
@@ -62,6 +63,7 @@ def test_a_cube(capfd: pytest.CaptureFixture[str]) -> None:
     assert mesh.source == "box.stl"
     assert not mesh.repairs  # fTetWild's orientation is not the user's fault
     assert capfd.readouterr() == ("", "")
+    assert os.listdir(tmp_path) == []
 
 
 def test_a_sphere() -> None:
@@ -146,14 +148,14 @@ def test_a_crash_is_reported_by_its_signal(tmp_path: Path) -> None:
     triangles = np.where(surface.triangles == 0, 2**31 - 1, surface.triangles)
     np.savez(tmp_path / "in.npz", points=surface.points, triangles=triangles)
     with pytest.raises(NeighbourError, match=r"^fTetWild crashed with SIGSEGV$"):
-        _run([str(tmp_path / "in.npz"), str(tmp_path / "out.npz"), "{}"], None)
+        _run([str(tmp_path / "in.npz"), str(tmp_path / "out.npz"), "{}"], tmp_path, None)
 
 
 def test_a_failure_of_the_child_is_told_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(
         NeighbourError, match=r"^fTetWild failed with exit code 1; it last said: .*FileNotFoundError"
     ) as caught:
-        _run([str(tmp_path / "in.npz"), str(tmp_path / "out.npz"), "{}"], None)
+        _run([str(tmp_path / "in.npz"), str(tmp_path / "out.npz"), "{}"], tmp_path, None)
     assert "\n" not in str(caught.value)
 
 

@@ -61,27 +61,29 @@ def read(path: str | Path) -> TetMesh | SurfaceMesh:
     form = formats.to_read(file)
     _check_file(path, file)
     try:
-        mesh, lost = _read(file, form)
+        mesh, lost = _read(file, form, str(path))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     if lost:
         warnings.warn(f"{path}: not read: {', '.join(lost)}", WctWarning, stacklevel=2)
-    return replace(mesh, source=str(path))
+    return mesh
 
 
-def _read(file: Path, form: formats.Format) -> tuple[TetMesh | SurfaceMesh, list[str]]:
+def _read(file: Path, form: formats.Format, source: str) -> tuple[TetMesh | SurfaceMesh, list[str]]:
+    lost: list[str] = []
     if form.module:
         raw, lost = load(file, form)
-        return _mesh(raw, form, lost), lost
+        return _mesh(raw, form, lost, source), lost
     with refusing(form):
         match form.name:
             case "PLY":
                 surface, lost = ply.read(file)
-                return _with_tags(surface), lost
+                surface = _with_tags(surface)
             case "OBJ":
-                return obj.read(file), []
+                surface = obj.read(file)
             case _:
-                return off.read(file), []
+                surface = off.read(file)
+    return replace(surface, source=source), lost
 
 
 def _check_file(path: str | Path, file: Path) -> None:
@@ -111,7 +113,7 @@ class _Kind:
         return Cells(self.cells, self.tags, self.data, self.sets)  # type: ignore[arg-type]  # None stands for zeros
 
 
-def _mesh(raw: Any, form: formats.Format, lost: list[str]) -> TetMesh | SurfaceMesh:
+def _mesh(raw: Any, form: formats.Format, lost: list[str], source: str) -> TetMesh | SurfaceMesh:
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
     if not len(kinds[main].cells):
@@ -146,7 +148,7 @@ def _mesh(raw: Any, form: formats.Format, lost: list[str]) -> TetMesh | SurfaceM
         faces = kinds["triangle"]
         lost += [f"{len(kinds[kind].cells)} {kind} cells" for kind in ("line", "vertex") if len(kinds[kind].cells)]
         lost += [f"set {name!r}" for name in [*faces.sets, *point_sets]] + [f"name {name!r}" for name in names]
-        return SurfaceMesh(points, faces.cells, faces.tags, point_data, faces.data)  # type: ignore[arg-type]
+        return SurfaceMesh(points, faces.cells, faces.tags, point_data, faces.data, source)  # type: ignore[arg-type]
     tets = kinds["tetra"]
     return TetMesh(
         points,
@@ -161,6 +163,7 @@ def _mesh(raw: Any, form: formats.Format, lost: list[str]) -> TetMesh | SurfaceM
         tet_sets=tets.sets,
         names=names,
         tag_name=tag_name,
+        source=source,
     )
 
 
@@ -194,7 +197,7 @@ def _kinds(raw: Any) -> dict[str, _Kind]:
                 made.sets[str(name)] = np.concatenate(
                     [_members(ids) + start for ids, start in zip(known, starts, strict=False)]
                 )
-        for group in {name for names in families.values() for name in names}:
+        for group in {name for names in families.values() for name in names} if "cell_tags" in made.data else ():
             tags = [tag for tag, names in families.items() if group in names]
             made.sets[group] = np.flatnonzero(np.isin(made.data["cell_tags"], tags))
         kinds[kind] = made
@@ -297,7 +300,7 @@ def _names(found: dict[str, Any], form: formats.Format) -> dict[str, tuple[int, 
     names = {}
     for name, value in found.items():
         pair = np.asarray(value).ravel()
-        if form.name == "gmsh" or name.startswith(NAME):
+        if pair.size == 2 and (form.name == "gmsh" or name.startswith(NAME)):
             names[name.removeprefix(NAME)] = (int(pair[0]), int(pair[1]))
     return names
 

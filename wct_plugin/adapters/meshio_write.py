@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wct_plugin.adapters import formats, obj, off, ply
 from wct_plugin.adapters.formats import Format
 from wct_plugin.adapters.meshio_load import overheard
-from wct_plugin.adapters.meshio_read import NAME, SET, TAG_SET, gmsh_entities
+from wct_plugin.adapters.meshio_read import NAME, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.errors import OutputError, WctWarning
 from wct_plugin.files import replacing
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -195,19 +195,23 @@ def _put_cell_data(content: _Content, blocks: list[_Block], form: Format, lost: 
 def _put_tags(
     content: _Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
 ) -> None:
-    meant = mesh.tag_name if isinstance(mesh, TetMesh) else "gmsh:physical"
+    # Under another name than a conventional one they would not be read as tags again.
+    meant = mesh.tag_name if isinstance(mesh, TetMesh) and mesh.tag_name in TAGS else "gmsh:physical"
     tags = [block.tags if block.kind in form.tagged or form.sets else np.zeros_like(block.tags) for block in blocks]
     for block, kept in zip(blocks, tags, strict=True):
         if (block.tags != kept).any():
             lost.append("regions" if block.kind == "tetra" else f"tags of {_CALLED[block.kind]}")
+    key = _spelled(_TAG.get(form.name, meant), form)
+    if content.cell_data.pop(key, None) is not None:
+        lost.append(f"cell data {key!r}, whose name is that of the tags")
     if form.name == "gmsh":
         groups = meant != "gmsh:geometrical"
-        content.cell_data["gmsh:physical"] = [column if groups else np.zeros_like(column) for column in tags]
+        content.cell_data[key] = [column if groups else np.zeros_like(column) for column in tags]
         content.cell_data["gmsh:geometrical"] = [
             _entities(block) if groups else gmsh_entities(block.tags) for block in blocks
         ]
     elif form.tagged and (form.name in _TAG or any(column.any() for column in tags)):
-        content.cell_data[_spelled(_TAG.get(form.name, meant), form)] = [np.array(column) for column in tags]
+        content.cell_data[key] = [np.array(column) for column in tags]
 
 
 def _entities(block: _Block) -> NDArray[np.int64]:

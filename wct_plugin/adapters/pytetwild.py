@@ -90,8 +90,11 @@ def tetrahedralize(
         given, made = Path(folder, "surface.npz"), Path(folder, "tets.npz")
         # fTetWild dies of a segmentation fault on points that no triangle uses.
         used, triangles = np.unique(surface.triangles, return_inverse=True)
-        np.savez(given, points=surface.points[used], triangles=triangles.reshape(-1, 3))
-        _run([str(given), str(made), json.dumps(options)], timeout)
+        try:
+            np.savez(given, points=surface.points[used], triangles=triangles.reshape(-1, 3))
+        except OSError as error:
+            raise NeighbourError(f"fTetWild cannot be given the surface: {given}: {error.strerror or error}") from error
+        _run([str(given), str(made), json.dumps(options)], folder, timeout)
         if not made.exists():
             raise NeighbourError("fTetWild ended without a result")
         with np.load(made) as arrays:
@@ -124,11 +127,14 @@ def _check_solid(surface: SurfaceMesh) -> None:
         )
 
 
-def _run(arguments: list[str], timeout: float | None) -> None:
-    # -P keeps the working directory, where a numpy.py may lie, off the child's path.
+def _run(arguments: list[str], folder: str | Path, timeout: float | None) -> None:
+    """Run the child in ``folder``: fTetWild leaves a file __tracked_surface.stl in its working directory."""
+    # Without -P the working directory would be the first place to look for modules.
     command = [sys.executable, "-P", "-m", "wct_plugin.adapters.pytetwild", *arguments]
     # It stays in our process group, so that whoever ends the group ends the child; it starts no process of its own.
-    child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    child = subprocess.Popen(
+        command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
     with child:
         try:
             output, _ = child.communicate(timeout=timeout)

@@ -1,0 +1,115 @@
+"""Vertices move, everything else stays; the counts come from quality.py, which shares nothing with the core."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import ball, jittered_cube, two_region_cube
+
+from wct_plugin import apply_filter, quality
+from wct_plugin.mesh import Cells
+from wct_plugin.surface import strata
+
+
+def count(mesh, flag):
+    return int(getattr(quality.measure(mesh), flag).sum())
+
+
+@pytest.mark.parametrize("boundary", ["fixed", "slide"])
+@pytest.mark.parametrize(("goal", "flag"), [("3wc", "well_centered_3"), ("cwc", "completely_well_centered")])
+def test_more_tets_are_well_centered(goal, flag, boundary):
+    mesh = jittered_cube(6, 1)
+    better, metrics = apply_filter("apply_coord_well_centering", mesh, goal=goal, boundary=boundary)
+    assert count(better, flag) > count(mesh, flag)
+    assert count(better, "well_centered_3") >= count(mesh, "well_centered_3")
+    assert metrics["bad_after"] == len(mesh.tets) - count(better, flag)
+    assert np.array_equal(better.tets, mesh.tets)
+    assert better.repairs.flipped == mesh.repairs.flipped
+
+
+def test_the_input_stays_as_it_is():
+    mesh = jittered_cube(5, 2)
+    points = mesh.points.copy()
+    apply_filter("apply_coord_well_centering", mesh)
+    assert np.array_equal(mesh.points, points)
+
+
+def test_a_fixed_boundary_keeps_its_bits():
+    mesh = ball(5)
+    better, _ = apply_filter("apply_coord_well_centering", mesh, boundary="fixed")
+    on_boundary = mesh.topology.boundary_points
+    assert np.array_equal(better.points[on_boundary], mesh.points[on_boundary])
+    assert not np.array_equal(better.points, mesh.points)
+
+
+def test_sliding_keeps_planes_and_creases_and_corners():
+    mesh = jittered_cube(6, 3)
+    better, _ = apply_filter("apply_coord_well_centering", mesh, boundary="slide")
+    sides = np.isclose(mesh.points, mesh.points.min(axis=0)) | np.isclose(mesh.points, mesh.points.max(axis=0))
+    assert np.abs((better.points - mesh.points)[sides]).max() <= 1e-12
+    assert np.abs((better.points - mesh.points)[mesh.topology.boundary_points]).max() > 1e-3
+    assert quality.volumes(better.points, better.tets).sum() == pytest.approx(1.0, abs=1e-12)
+
+
+def test_regions_and_their_interface_stay():
+    mesh = two_region_cube(5)
+    better, _ = apply_filter("apply_coord_well_centering", mesh, boundary="slide")
+    for tag in np.unique(mesh.regions):
+        old, new = (quality.volumes(m.points, m.tets)[m.regions == tag].sum() for m in (mesh, better))
+        assert new == pytest.approx(old, rel=1e-12)
+    assert np.array_equal(better.topology.interfaces, mesh.topology.interfaces)
+
+
+def test_tags_sets_and_data_travel():
+    mesh = jittered_cube(4, 4)
+    facets = Cells(mesh.topology.boundary[:5], tags=[7] * 5, sets={"inlet": [0, 3]})
+    mesh = replace(mesh, facets=facets, point_data={"t": np.arange(len(mesh.points))}, point_sets={"probe": [2]})
+    better, _ = apply_filter("apply_coord_well_centering", mesh)
+    assert np.array_equal(better.facets.tags, facets.tags)
+    assert np.array_equal(better.facets.sets["inlet"], [0, 3])
+    assert np.array_equal(better.point_data["t"], mesh.point_data["t"])
+    assert np.array_equal(better.point_sets["probe"], [2])
+
+
+def test_a_tagged_vertex_and_a_tagged_edge_hold():
+    mesh = jittered_cube(6, 5)
+    surface = strata(mesh)
+    free = np.flatnonzero(surface.stratum == 1)
+    edges = mesh.topology.edges
+    between = edges[np.isin(edges, free).all(axis=1)]
+    on_surface = {tuple(sorted(pair)) for f in surface.triangles for pair in zip(f, np.roll(f, 1), strict=True)}
+    edge = next(e for e in between if tuple(e) in on_surface)
+    node = next(v for v in free if v not in edge)
+    tagged = replace(mesh, edges=Cells([edge], tags=[1]), nodes=Cells([[node]], tags=[2]))
+    better, _ = apply_filter("apply_coord_well_centering", tagged, boundary="slide")
+    assert np.array_equal(better.points[node], mesh.points[node])
+    assert np.array_equal(better.points[edge], mesh.points[edge])  # both ends of a chain of one edge are corners
+
+
+def test_the_same_bits_twice():
+    mesh = jittered_cube(5, 6)
+    first, second = (apply_filter("apply_coord_well_centering", mesh)[0].points for _ in range(2))
+    assert np.array_equal(first, second)
+
+
+def test_progress_can_stop_it_and_the_best_so_far_is_kept():
+    mesh = jittered_cube(6, 7)
+    seen = []
+
+    def stop(state):
+        seen.append(state)
+        return len(seen) < 3
+
+    better, metrics = apply_filter("apply_coord_well_centering", mesh, progress=stop)
+    assert metrics["stopped"]
+    assert len(seen) == 3
+    assert all(0.0 <= state.done <= 1.0 and state.bad is not None for state in seen)
+    assert count(better, "well_centered_3") >= count(mesh, "well_centered_3")
+
+
+def test_an_exception_in_progress_comes_through():
+    def fail(state):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        apply_filter("apply_coord_well_centering", jittered_cube(5, 8), progress=fail)
