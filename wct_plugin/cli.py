@@ -118,7 +118,7 @@ def _progress() -> Iterator[ProgressCallback]:
         err.print("stopping; the best so far is kept (Ctrl-C again to give up)")
 
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
-    with ProgressBar(*columns, console=err, transient=True) as bar:
+    with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
         task = bar.add_task("", total=1.0, bad="")
         before = signal.getsignal(signal.SIGINT)
 
@@ -303,9 +303,12 @@ def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code; errors are printed as one line."""
-    warnings.showwarning = _show_warning
     try:
-        code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # other packages' warnings are for programmers
+            warnings.simplefilter("always", WctWarning)
+            warnings.showwarning = _show_warning
+            code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
     except click.ClickException as error:
         return _fail(error.format_message())
     except WctError as error:

@@ -1,0 +1,250 @@
+"""``wct`` as its users meet it: exit codes, one-line errors, tables, JSON, files written or not at all."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from builders import bcc, jittered_cube, single, sphere_surface
+
+import wct_plugin as wct
+from wct_plugin import cli
+
+WCT = Path(sys.executable).with_name("wct")
+CUBE = jittered_cube(4, 0)
+
+
+@pytest.fixture
+def cube(tmp_path):
+    wct.write(tmp_path / "cube.vtu", CUBE)
+    return tmp_path / "cube.vtu"
+
+
+def refused(capsys, *arguments) -> str:
+    """Run, expect exit code 2 and one line on stderr, and give that line."""
+    assert cli.run([str(argument) for argument in arguments]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("error: ")
+    assert printed.err.count("\n") == 1
+    return printed.err[len("error: ") : -1]
+
+
+# --- optimize -------------------------------------------------------------------------------------------------------
+
+
+def test_optimize_writes_the_mesh_the_table_and_the_reports(cube, tmp_path, capsys):
+    out, page, numbers = tmp_path / "out.vtu", tmp_path / "out.html", tmp_path / "out.json"
+    code = cli.run(["optimize", str(cube), str(out), "--goal", "3wc", "--html", str(page), "--json", str(numbers)])
+    table = capsys.readouterr().out
+    found = json.loads(numbers.read_text())
+    better = wct.read(out)
+    assert code == (0 if found["after"]["3wc"]["count"] == len(better.tets) else 1)
+    assert found["after"]["3wc"]["count"] > found["before"]["3wc"]["count"]
+    assert found["after"]["source"] == str(out)
+    assert re.search(r"3WC +[\d.]+ % +[\d.]+ %", table)
+    assert "<svg" in page.read_text()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cube.vtu", "out.html", "out.json", "out.vtu"]
+
+
+def test_goal_met_is_exit_code_0(tmp_path):
+    mesh = single([[0, 0, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
+    wct.write(tmp_path / "regular.vtu", mesh)
+    assert cli.run(["optimize", str(tmp_path / "regular.vtu"), str(tmp_path / "out.vtu")]) == 0
+
+
+def test_goal_missed_is_exit_code_1_and_the_output_is_there(tmp_path):
+    flat = single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.1]])
+    wct.write(tmp_path / "flat.vtu", flat)
+    assert cli.run(["optimize", str(tmp_path / "flat.vtu"), str(tmp_path / "out.vtu"), "--boundary", "fixed"]) == 1
+    assert np.array_equal(wct.read(tmp_path / "out.vtu").points, flat.points)
+
+
+def test_a_surface_goes_through_the_mesher(tmp_path):
+    wct.write(tmp_path / "ball.stl", sphere_surface(100))
+    arguments = ["optimize", str(tmp_path / "ball.stl"), str(tmp_path / "ball.vtu"), "--json", str(tmp_path / "b.json")]
+    assert cli.run([*arguments, "--mesher-edge-length", "0.25", "--mesher-epsilon", "0.01"]) in (0, 1)
+    found = json.loads((tmp_path / "b.json").read_text())
+    assert found["filters"]["generate_tetrahedralization"]["tets"] == found["before"]["tets"]
+    assert 0 < found["after"]["deviation"]["fraction_of_diagonal"] < 0.05
+
+
+def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
+    cli.run(["optimize", str(cube), str(tmp_path / "out.vtu"), "--json", "-"])
+    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters"}
+
+
+def test_ctrl_c_keeps_the_best_so_far(tmp_path):
+    wct.write(tmp_path / "big.vtu", jittered_cube(16, 0))
+    child = subprocess.Popen(
+        [WCT, "optimize", tmp_path / "big.vtu", tmp_path / "out.vtu", "--effort", "100"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    time.sleep(6.0)
+    child.send_signal(signal.SIGINT)
+    _, err = child.communicate(timeout=60)
+    assert child.returncode == 1, err
+    assert "the best so far is kept" in err
+    assert len(wct.read(tmp_path / "out.vtu").tets) == len(jittered_cube(16, 0).tets)
+
+
+# --- report and filters ---------------------------------------------------------------------------------------------
+
+
+def test_report_prints_tables_and_histogram(cube, capsys):
+    assert cli.run(["report", str(cube)]) == 0
+    printed = capsys.readouterr().out
+    for word in ("h/R", "Dihedral angle", "one-sided", "2WC", "Acute", "█", "Worst tets", "interior", "corner"):
+        assert word in printed
+
+
+def test_report_json_of_one_and_of_several(cube, capsys):
+    assert cli.run(["report", str(cube), "--json", "-"]) == 0
+    one = json.loads(capsys.readouterr().out)
+    assert one["tets"] == len(CUBE.tets)
+    assert cli.run(["report", str(cube), str(cube), "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out) == [one, one]
+
+
+def test_report_goal_decides_the_exit_code(cube, tmp_path, capsys):
+    assert cli.run(["report", str(cube), "--goal", "cwc"]) == 1
+    wct.write(tmp_path / "bcc.vtu", bcc(2))
+    assert cli.run(["report", str(tmp_path / "bcc.vtu"), "--goal", "cwc"]) == 0
+
+
+def test_filters_lists_and_shows_a_page(capsys):
+    assert cli.run(["filters"]) == 0
+    assert "get_quality" in capsys.readouterr().out
+    assert cli.run(["filters", "apply_coord_well_centering"]) == 0
+    page = capsys.readouterr().out
+    assert re.search(r"goal +cwc +3wc \| cwc", page)
+    assert re.search(r"crease_angle +40.0 +> 0, < 180", page)
+    assert cli.run(["filters", "get_quality", "--json", "-"]) == 0
+    assert "worst" in json.loads(capsys.readouterr().out)["get_quality"]["options"]["properties"]
+
+
+def test_help_names_every_declared_option(capsys):
+    assert cli.run(["optimize", "--help"]) == 0
+    shown = capsys.readouterr().out
+    for option in ("--goal", "--boundary", "--margin", "--crease-angle", "--effort", "--mesher-edge-length"):
+        assert option in shown
+
+
+# --- bad input ------------------------------------------------------------------------------------------------------
+
+
+def raw(path, points, cells):
+    meshio.Mesh(np.asarray(points, dtype=float), [(kind, np.asarray(rows, np.int32)) for kind, rows in cells]).write(
+        path
+    )
+    return path
+
+
+CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]
+FAULTS = {
+    "nan": (
+        [[0, 0, 0], [1, 0, 0], [0, np.nan, 0], [0, 0, 1]],
+        [("tetra", [[0, 1, 2, 3]])],
+        "coordinates must be finite",
+    ),
+    "range": (CORNERS, [("tetra", [[0, 1, 2, 9]])], "indices must lie in 0..4"),
+    "twice": (CORNERS, [("tetra", [[0, 1, 2, 3], [1, 0, 3, 2]])], "tet 1 repeats tet 0"),
+    "flat": ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [("tetra", [[0, 1, 2, 3]])], "has zero volume"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("command", ["optimize", "report"])
+def test_bad_meshes(fault, command, tmp_path, capsys):
+    points, cells, message = FAULTS[fault]
+    path = raw(tmp_path / "bad.vtu", points, cells)
+    outputs = [tmp_path / "out.vtu"] if command == "optimize" else ["--json", tmp_path / "out.json"]
+    said = refused(capsys, command, path, *outputs)
+    assert said.startswith(f"{path}: ")
+    assert message in said
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("kind", "count"), [("hexahedron", 8), ("tetra10", 10), ("wedge", 6), ("pyramid", 5), ("triangle6", 6)]
+)
+def test_other_cells_are_refused_by_name(kind, count, tmp_path, capsys):
+    points = np.random.default_rng(0).random((count, 3))
+    path = raw(tmp_path / "bad.vtu", points, [(kind, [list(range(count))])])
+    assert kind in refused(capsys, "optimize", path, tmp_path / "out.vtu")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_missing_empty_and_garbage_files(tmp_path, capsys):
+    assert "no such file" in refused(capsys, "report", tmp_path / "none.vtu").lower()
+    for suffix in (".vtu", ".msh", ".ply", ".stl"):
+        empty, garbage = tmp_path / f"empty{suffix}", tmp_path / f"garbage{suffix}"
+        empty.touch()
+        garbage.write_text("what is this?\nnot a mesh\n" * 20)
+        assert str(empty) in refused(capsys, "report", empty)
+        assert str(garbage) in refused(capsys, "optimize", garbage, tmp_path / "out.vtu")
+    assert not (tmp_path / "out.vtu").exists()
+
+
+def test_a_surface_where_tets_are_needed(tmp_path, capsys):
+    wct.write(tmp_path / "ball.ply", sphere_surface(30))
+    assert "needs a tet mesh, here is a surface" in refused(capsys, "report", tmp_path / "ball.ply")
+
+
+def test_a_planar_surface_is_refused_before_the_mesher(tmp_path, capsys):
+    path = raw(tmp_path / "flat.ply", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [("triangle", [[0, 1, 2]])])
+    said = refused(capsys, "optimize", path, tmp_path / "out.vtu")
+    assert "plan" in said
+    assert str(path) in said
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_options(cube, tmp_path, capsys):
+    out = tmp_path / "out.vtu"
+    assert "--gaol" in refused(capsys, "optimize", cube, out, "--gaol", "cwc")
+    assert "'margin' is 0.7" in refused(capsys, "optimize", cube, out, "--margin", "0.7")
+    assert "--effort" in refused(capsys, "optimize", cube, out, "--effort", "much")
+    assert "is for surfaces" in refused(capsys, "optimize", cube, out, "--mesher-edge-length", "0.1")
+    assert "unknown filter 'no_such'" in refused(capsys, "filters", "no_such")
+    assert "No such command" in refused(capsys, "optimise")
+    assert list(tmp_path.iterdir()) == [cube]
+
+
+def test_outputs_are_checked_before_the_work(cube, tmp_path, capsys):
+    for flag in ("--json", "--html"):
+        said = refused(capsys, "optimize", cube, tmp_path / "out.vtu", flag, tmp_path / "none" / "file")
+        assert str(tmp_path / "none") in said
+    assert "unknown suffix" in refused(capsys, "optimize", cube, tmp_path / "out.xyz")
+    assert "STL cannot carry a tetrahedral mesh" in refused(capsys, "optimize", cube, tmp_path / "out.stl")
+    assert "/proc/out.vtu" in refused(capsys, "optimize", cube, "/proc/out.vtu")
+    assert list(tmp_path.iterdir()) == [cube]
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".msh", ".xdmf"])
+def test_a_full_disk(small_disk, tmp_path, capsys, suffix):
+    wct.write(tmp_path / "big.vtu", jittered_cube(10, 0))
+    said = refused(capsys, "optimize", tmp_path / "big.vtu", small_disk / f"out{suffix}", "--effort", "1")
+    assert str(small_disk / f"out{suffix}") in said
+    assert list(small_disk.iterdir()) == []
+
+
+def test_a_crash_of_ours_is_one_line_too(cube, capsys, monkeypatch):
+    monkeypatch.setattr("wct_plugin.cli.make_report", lambda *_, **__: 1 / 0)
+    assert "internal error, please report it: ZeroDivisionError" in refused(capsys, "report", cube)
+
+
+def test_what_a_format_drops_is_said_in_one_line(tmp_path, capsys):
+    mesh, _ = wct.apply_filter("compute_scalar_by_well_centeredness", CUBE)
+    wct.write(tmp_path / "marked.vtu", mesh)
+    cli.run(["optimize", str(tmp_path / "marked.vtu"), str(tmp_path / "out.mesh")])
+    said = capsys.readouterr().err
+    assert said.startswith("warning: ")
+    assert "dual_volume" in said
