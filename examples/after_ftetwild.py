@@ -1,6 +1,7 @@
 """After fTetWild: hand pytetwild's arrays to one filter, compare, write.
 
-The surface is bone.ply, which ships in the pymeshlab wheel. Run it: ``python examples/after_ftetwild.py [out.vtu]``.
+The surface is bone.ply, which ships in the pymeshlab wheel. pytetwild needs pyvista when it is imported:
+``pip install "wct_plugin[pyvista]"``. Run it: ``python examples/after_ftetwild.py [out.vtu]``.
 """
 
 import importlib.util
@@ -23,7 +24,10 @@ def bone() -> Path:
 def main(target: str = "bone.vtu") -> tuple[float, float]:
     """Give the percentage of tets that contain their circumcenter, before and after."""
     surface = wct.read(bone())
-    points, tets = pytetwild.tetrahedralize(surface.points, surface.triangles, edge_length_fac=0.05, quiet=True)
+    # Our arrays are read-only, and pytetwild takes none of those.
+    points, tets = pytetwild.tetrahedralize(
+        surface.points.copy(), surface.triangles.copy(), edge_length_fac=0.05, quiet=True
+    )
 
     mesh = wct.TetMesh(points, tets)  # fTetWild's negative orientation is turned round here
     better, _ = wct.apply_filter("apply_coord_well_centering", mesh, goal="3wc", boundary="slide")

@@ -1,0 +1,122 @@
+#pragma once
+
+#include "vec3.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace wct {
+
+/// Closest point on a segment (two corners) or triangle (three).
+Vec3 closest_on(const std::array<Vec3, 2> &segment, const Vec3 &x);
+Vec3 closest_on(const std::array<Vec3, 3> &triangle, const Vec3 &x);
+
+/// A tree of bounding boxes over segments (corners = 2) or triangles (corners = 3), for closest points.
+template <std::size_t corners> class BoundingTree {
+  public:
+    using Piece = std::array<Vec3, corners>;
+
+    struct Closest {
+        Vec3 point;
+        std::int32_t piece;
+    };
+
+    explicit BoundingTree(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+        if (!pieces_.empty())
+            split(0, static_cast<std::int32_t>(pieces_.size()));
+    }
+
+    const std::vector<Piece> &pieces() const { return pieces_; } // in the tree's own order
+
+    /// `guess` is a piece known or hoped to be near: the better the guess, the less of the tree is visited.
+    Closest closest(const Vec3 &x, std::int32_t guess = 0) const {
+        Closest best{closest_on(pieces_[static_cast<std::size_t>(guess)], x), guess};
+        double distance = dot(best.point - x, best.point - x);
+        std::array<std::int32_t, 64> stack; // the tree halves: no deeper than the bits of a count
+        std::size_t size = 0;
+        stack[size++] = 0;
+        while (size) {
+            const Node &node = nodes_[static_cast<std::size_t>(stack[--size])];
+            if (node.squared_distance(x) >= distance)
+                continue;
+            if (node.right < 0) {
+                for (std::int32_t i = node.first; i < node.last; ++i) {
+                    const Vec3 point = closest_on(pieces_[static_cast<std::size_t>(i)], x);
+                    const double d = dot(point - x, point - x);
+                    if (d < distance) {
+                        distance = d;
+                        best = {point, i};
+                    }
+                }
+                continue;
+            }
+            std::int32_t nearer = static_cast<std::int32_t>(&node - nodes_.data()) + 1;
+            std::int32_t farther = node.right;
+            if (nodes_[static_cast<std::size_t>(farther)].squared_distance(x) <
+                nodes_[static_cast<std::size_t>(nearer)].squared_distance(x))
+                std::swap(nearer, farther);
+            stack[size++] = farther;
+            stack[size++] = nearer;
+        }
+        return best;
+    }
+
+  private:
+    static constexpr std::int32_t kLeaf = 4;
+
+    struct Node {
+        Vec3 low;
+        Vec3 high;
+        std::int32_t first;
+        std::int32_t last;
+        std::int32_t right = -1; // the left child follows its parent; a leaf has none
+
+        double squared_distance(const Vec3 &x) const {
+            const Vec3 d{std::max({low.x - x.x, 0.0, x.x - high.x}), std::max({low.y - x.y, 0.0, x.y - high.y}),
+                         std::max({low.z - x.z, 0.0, x.z - high.z})};
+            return dot(d, d);
+        }
+    };
+
+    static Vec3 middle(const Piece &piece) {
+        Vec3 sum;
+        for (const Vec3 &corner : piece)
+            sum += corner;
+        return sum;
+    }
+
+    std::int32_t split(std::int32_t first, std::int32_t last) {
+        constexpr double huge = std::numeric_limits<double>::infinity();
+        Node node{{huge, huge, huge}, {-huge, -huge, -huge}, first, last};
+        for (std::int32_t i = first; i < last; ++i)
+            for (const Vec3 &corner : pieces_[static_cast<std::size_t>(i)]) {
+                node.low = {std::min(node.low.x, corner.x), std::min(node.low.y, corner.y),
+                            std::min(node.low.z, corner.z)};
+                node.high = {std::max(node.high.x, corner.x), std::max(node.high.y, corner.y),
+                             std::max(node.high.z, corner.z)};
+            }
+        const auto index = static_cast<std::int32_t>(nodes_.size());
+        nodes_.push_back(node);
+        if (last - first > kLeaf) {
+            const Vec3 extent = node.high - node.low;
+            double Vec3::*axis = extent.x >= extent.y && extent.x >= extent.z ? &Vec3::x
+                                 : extent.y >= extent.z                       ? &Vec3::y
+                                                                              : &Vec3::z;
+            const std::int32_t half = first + (last - first) / 2;
+            std::nth_element(pieces_.begin() + first, pieces_.begin() + half, pieces_.begin() + last,
+                             [axis](const Piece &a, const Piece &b) { return middle(a).*axis < middle(b).*axis; });
+            split(first, half);
+            const std::int32_t right = split(half, last);
+            nodes_[static_cast<std::size_t>(index)].right = right;
+        }
+        return index;
+    }
+
+    std::vector<Piece> pieces_;
+    std::vector<Node> nodes_;
+};
+
+} // namespace wct
