@@ -52,6 +52,23 @@ def tet_energy(
     inverted or flat, det <= 1e-5 longest_edge^3, has infinite energy and no part in the gradient.
     """
 
+def star_energy(
+    points: NDArray[np.float64],
+    tets: NDArray[np.int64],
+    point: int,
+    *,
+    margin3: float,
+    power3: float,
+    margin2: float,
+    power2: float,
+    weight2: float,
+    weight_quality: float,
+) -> tuple[float, NDArray[np.float64]]:
+    """The energy of :func:`tet_energy` summed over the tets around one point, and its gradient (3,) in that point.
+
+    Here a tet may be as flat as it is; it is infinite where one is inverted.
+    """
+
 def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray[np.int8]:
     """Exact sign of det(x1-x0, x2-x0, x3-x0) per tet: 1, -1, or 0 for four coplanar points.
 

@@ -4,6 +4,7 @@ from time import process_time
 
 import numpy as np
 from scipy.spatial import Delaunay
+
 from wct_plugin import _core
 
 FORM = {"margin3": 0.12, "power3": 2.5, "margin2": 0.08, "power2": 2.5, "weight_quality": 0.003}

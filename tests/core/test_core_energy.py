@@ -97,6 +97,20 @@ def test_gradient_of_a_mesh_sums_its_tets(form):
     np.testing.assert_allclose(gradient, total, rtol=1e-12, atol=1e-12 * np.abs(total).max())
 
 
+@pytest.mark.parametrize("form", FORMS)
+def test_a_star_is_its_part_of_the_mesh(form):
+    """Every point, whichever corner of its tets it is."""
+    mesh = cube(cells=3)
+    energies, gradient = _core.tet_energy(mesh.points, mesh.tets, **form)
+    for point in range(len(mesh.points)):
+        energy, slope = _core.star_energy(mesh.points, mesh.tets, point, **form)
+        around = energies[(mesh.tets == point).any(axis=1)]
+        assert energy == pytest.approx(around.sum(), rel=1e-10)
+        np.testing.assert_allclose(slope, gradient[point], rtol=1e-8, atol=1e-9 * np.abs(gradient).max())
+    with pytest.raises(ValueError, match="no point 64"):
+        _core.star_energy(mesh.points, mesh.tets, 64, **form)
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(1e-6, 1e6), st.floats(-10, 10), st.sampled_from(FORMS))
 def test_rigid_motion_and_scale_change_nothing(seed, scale, shift, form):

@@ -35,8 +35,8 @@ Cost cost_at(double done, double margin, double near) {
 WCT_MULTIVERSION
 void cost_of(const WorstLanes &worst, const Cost &cost, Lanes &z, Lanes &out) {
     for (int lane = 0; lane < kLanes; ++lane) {
-        const double value =
-            worst.height[lane] < worst.cosine[lane] ? worst.height[lane] : worst.cosine[lane]; // cosine 1: not asked for
+        const double value = worst.height[lane] < worst.cosine[lane] ? worst.height[lane]
+                                                                     : worst.cosine[lane]; // cosine 1: not asked for
         z[lane] = value;
         out[lane] = cost.of(value);
     }

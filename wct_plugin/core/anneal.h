@@ -14,7 +14,8 @@ enum class Goal { well_centered, completely_well_centered };
 /// Least value of h/R (and of the cosines, where they matter) that the search takes for positive: far above rounding.
 inline constexpr double kClear = 1e-6;
 
-/// How the search goes: the temperature falls from `hot` to `cold`, geometrically; then it is zero for the last twentieth.
+/// How the search goes: the temperature falls from `hot` to `cold`, geometrically; then it is zero for the last
+/// twentieth.
 struct Annealing {
     double hot = 0.4;
     double cold = 0.02;

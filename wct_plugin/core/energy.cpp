@@ -9,11 +9,21 @@ namespace wct {
 
 namespace {
 
-WCT_INLINE double larger(double a, double b) { return a > b ? a : b; }
-WCT_INLINE double smaller(double a, double b) { return a < b ? a : b; }
-WCT_INLINE double signed_square(double a) { return a * std::fabs(a); }
-WCT_INLINE double signed_root(double a) { return std::copysign(std::sqrt(std::fabs(a)), a); }
-WCT_INLINE Vec3 load(const Lanes v[3], int lane) { return {v[0][lane], v[1][lane], v[2][lane]}; }
+WCT_INLINE double larger(double a, double b) {
+    return a > b ? a : b;
+}
+WCT_INLINE double smaller(double a, double b) {
+    return a < b ? a : b;
+}
+WCT_INLINE double signed_square(double a) {
+    return a * std::fabs(a);
+}
+WCT_INLINE double signed_root(double a) {
+    return std::copysign(std::sqrt(std::fabs(a)), a);
+}
+WCT_INLINE Vec3 load(const Lanes v[3], int lane) {
+    return {v[0][lane], v[1][lane], v[2][lane]};
+}
 WCT_INLINE void store(Lanes v[3], int lane, const Vec3 &value) {
     v[0][lane] = value.x;
     v[1][lane] = value.y;
@@ -101,11 +111,13 @@ WCT_INLINE void hinge(const Penalty &penalty, double power) {
 
 /// Weights that write a triangle's circumcenter in its corners, before division by 16 area^2: corner a against the
 /// squared edges opposite a, b and c.
-WCT_INLINE double corner_weight(double a, double b, double c) { return a * (b + c - a); }
+WCT_INLINE double corner_weight(double a, double b, double c) {
+    return a * (b + c - a);
+}
 
 struct Pull {
-    Vec3 center; // dE/d(circumcenter)
-    Vec3 radial; // its part through R, which corner 0 also feels with the opposite sign
+    Vec3 center;      // dE/d(circumcenter)
+    Vec3 radial;      // its part through R, which corner 0 also feels with the opposite sign
     double scaled[4]; // dE/dh over each facet
 };
 
@@ -176,8 +188,7 @@ WCT_INLINE EdgePull pull_on_edges(const ShapeLanes &s, const SlopeLanes &slopes,
     for (int i = 0; i < 6; ++i)
         inverse[i] = s.inverse_edge[i].at[lane];
     EdgePull pull{};
-#define WCT_PULL(k, p, q, r)                                                                                           \
-    pull_angle(slopes.cosine[k].at[lane], s.cosine[k].at[lane], inverse, p, q, r, pull.on)
+#define WCT_PULL(k, p, q, r) pull_angle(slopes.cosine[k].at[lane], s.cosine[k].at[lane], inverse, p, q, r, pull.on)
     WCT_EACH_ANGLE(WCT_PULL);
 #undef WCT_PULL
     return pull;
@@ -212,7 +223,9 @@ WCT_INLINE Core core_of(const TetLanes &tets, int lane) {
 }
 
 /// The determinant as divisor: an input tet flat beyond rounding gets a finite stand-in, so that nothing becomes NaN.
-WCT_INLINE double divisor(const Core &k, double cube) { return larger(k.det, 1e-12 * cube); }
+WCT_INLINE double divisor(const Core &k, double cube) {
+    return larger(k.det, 1e-12 * cube);
+}
 
 } // namespace
 
@@ -427,9 +440,9 @@ void measure_worst(const TetLanes &tets, bool cosines, WorstLanes &worst) {
         const double p1 = dot(k.a, m);
         const double p2 = dot(k.b, m);
         const double p3 = dot(k.c, m);
-        const double least = smaller(
-            smaller(signed_square(p0) / dot(inward, inward), signed_square(p1) / dot(k.a, k.a)),
-            smaller(signed_square(p2) / dot(k.b, k.b), signed_square(p3) / dot(k.c, k.c)));
+        const double least =
+            smaller(smaller(signed_square(p0) / dot(inward, inward), signed_square(p1) / dot(k.a, k.a)),
+                    smaller(signed_square(p2) / dot(k.b, k.b), signed_square(p3) / dot(k.c, k.c)));
         out->height[lane] = signed_root(least / dot(m, m));
         out->cosine[lane] = 1.0;
         square[0][lane] = k.uu;

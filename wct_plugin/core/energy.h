@@ -55,15 +55,15 @@ struct TetLanes {
 
 /// What the penalties look at, and what the chain rule needs to pull their slopes back to the corners.
 struct ShapeLanes {
-    Lanes height[4];     // h/R over the facet opposite corner i
-    Lanes cosine[12];    // facet angles, three by three
-    Lanes flatness;      // det / (longest edge)^3
-    Lanes normal[4][3];  // unit inward normal of facet i
-    Lanes area_term[4];  // 1 / (16 area^2) of facet i
-    Lanes center[3];     // circumcenter relative to corner 0
+    Lanes height[4];    // h/R over the facet opposite corner i
+    Lanes cosine[12];   // facet angles, three by three
+    Lanes flatness;     // det / (longest edge)^3
+    Lanes normal[4][3]; // unit inward normal of facet i
+    Lanes area_term[4]; // 1 / (16 area^2) of facet i
+    Lanes center[3];    // circumcenter relative to corner 0
     Lanes inverse_radius;
     Lanes inverse_det;
-    Lanes square[6];     // squared edges 01 02 03 12 13 23
+    Lanes square[6]; // squared edges 01 02 03 12 13 23
     Lanes inverse_edge[6];
 };
 

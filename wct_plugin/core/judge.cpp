@@ -18,7 +18,8 @@ struct Finding {
 };
 
 /// Floating point decides by a margin above its rounding; nearer than that the exact predicates do.
-template <class Visit> void inspect(std::span<const Vec3> points, std::span<const Tet> tets, bool cosines, Visit visit) {
+template <class Visit>
+void inspect(std::span<const Vec3> points, std::span<const Tet> tets, bool cosines, Visit visit) {
     constexpr double sure = 1e-6;
     constexpr double flat = 1e-9; // flatter tets have no digits to spare
     TetLanes lanes;
@@ -77,7 +78,7 @@ std::vector<bool> Judge::meeting(std::span<const Vec3> points, std::span<const T
 bool Judge::better(const Verdict &candidate, const Verdict &best, const Verdict &start, std::size_t tets) const {
     if (!candidate.valid || candidate.well_centered < start.well_centered)
         return false;
-    if (start.meeting == static_cast<std::int64_t>(tets) && candidate.worst < start.worst)
+    if (start.meeting == static_cast<std::int64_t>(tets) && candidate.worst < start.worst - kRounding)
         return false;
     if (candidate.meeting != best.meeting)
         return candidate.meeting > best.meeting;

@@ -14,12 +14,14 @@ struct Verdict {
     std::int64_t well_centered = 0; // tets that contain their circumcenter: exact
     std::int64_t meeting = 0;       // tets that meet the goal: exact
     double worst = 1.0;             // smallest h/R (and cosine, if the goal asks)
-    double shortfall = 0.0;         // sum over tets of what they miss of the margin, each counted up to the margin itself
-    bool valid = true;              // no tet inverted: exact
+    double shortfall = 0.0; // sum over tets of what they miss of the margin, each counted up to the margin itself
+    bool valid = true;      // no tet inverted: exact
 };
 
 class Judge {
   public:
+    static constexpr double kRounding = 1e-9; // worst values this near each other are the same
+
     Judge(Goal goal, double margin) : goal_(goal), margin_(margin) {}
 
     /// Over all tets, whether they can move or not.

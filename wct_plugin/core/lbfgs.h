@@ -10,11 +10,11 @@ namespace wct {
 /// Why a descent came to rest.
 enum class Outcome { converged, jammed, exhausted, stopped };
 
-/// Move all free points of the mesh at once downhill by L-BFGS (Nocedal 1980) with memory 10, retracting boundary points
-/// to their patch or crease at each step.
+/// Move all free points of the mesh at once downhill by L-BFGS (Nocedal 1980) with memory 10, retracting boundary
+/// points to their patch or crease at each step.
 ///
-/// Every accepted step has a finite energy, so no tet turns inside out, and lowers it. `jammed` means that no step along
-/// the steepest descent lowers it: the energy has a kink there, or the mesh starts at an infinite energy.
+/// Every accepted step has a finite energy, so no tet turns inside out, and lowers it. `jammed` means that no step
+/// along the steepest descent lowers it: the energy has a kink there, or the mesh starts at an infinite energy.
 Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, int iterations, Monitor &monitor);
 
 } // namespace wct

@@ -1,8 +1,9 @@
 #include "energy.h"
 #include "monitor.h"
 #include "moving_mesh.h"
-#include "problem.h"
+#include "objective.h"
 #include "predicates.h"
+#include "problem.h"
 #include "well_center.h"
 
 #include <nanobind/nanobind.h>
@@ -35,8 +36,8 @@ std::string shape_of(const Array &array) {
 /// The rows of a (n,) array (columns = 0) or a (n, columns) array, of this type exactly; ValueError otherwise.
 template <class T> std::span<const T> rows(const Array &array, std::size_t columns, const char *name) {
     if (array.dtype() != nb::dtype<T>())
-        throw nb::value_error((std::string(name) + " must hold " +
-                               (std::is_floating_point_v<T> ? "float" : "int") + std::to_string(8 * sizeof(T)))
+        throw nb::value_error((std::string(name) + " must hold " + (std::is_floating_point_v<T> ? "float" : "int") +
+                               std::to_string(8 * sizeof(T)))
                                   .c_str());
     if (array.ndim() != (columns ? 2 : 1) || (columns && array.shape(1) != columns))
         throw nb::value_error((std::string(name) + " has shape " + shape_of(array) + "; allowed is (n" +
@@ -47,9 +48,9 @@ template <class T> std::span<const T> rows(const Array &array, std::size_t colum
 
 void expect_length(std::size_t length, std::size_t expected, const char *name) {
     if (length != expected)
-        throw nb::value_error((std::string(name) + " has length " + std::to_string(length) + "; it must be " +
-                               std::to_string(expected))
-                                  .c_str());
+        throw nb::value_error(
+            (std::string(name) + " has length " + std::to_string(length) + "; it must be " + std::to_string(expected))
+                .c_str());
 }
 
 std::vector<Vec3> points_of(const Array &array) {
@@ -111,13 +112,18 @@ auto fresh(std::span<const Vec3> points) {
     return fresh(std::move(values), points.size(), 3);
 }
 
+EnergyForm form_of(double margin3, double power3, double margin2, double power2, double weight2,
+                   double weight_quality) {
+    if (!(power3 >= 1.0) || !(power2 >= 1.0))
+        throw nb::value_error("powers must be at least 1");
+    return {margin3, power3, margin2, power2, weight2, weight_quality};
+}
+
 nb::tuple tet_energy(const Array &points, const Array &tets, double margin3, double power3, double margin2,
                      double power2, double weight2, double weight_quality) {
     const auto at = points_of(points);
     const auto cells = cells_of<4>(tets, at.size(), "tets");
-    if (!(power3 >= 1.0) || !(power2 >= 1.0))
-        throw nb::value_error("powers must be at least 1");
-    const EnergyForm form{margin3, power3, margin2, power2, weight2, weight_quality};
+    const EnergyForm form = form_of(margin3, power3, margin2, power2, weight2, weight_quality);
     auto energies = std::make_unique<double[]>(cells.size());
     std::vector<Vec3> gradient(at.size());
     {
@@ -154,6 +160,31 @@ nb::tuple tet_energy(const Array &points, const Array &tets, double margin3, dou
         }
     }
     return nb::make_tuple(fresh(std::move(energies), cells.size()), fresh(std::span<const Vec3>(gradient)));
+}
+
+nb::tuple star_energy(const Array &points, const Array &tets, std::int64_t point, double margin3, double power3,
+                      double margin2, double power2, double weight2, double weight_quality) {
+    auto at = points_of(points);
+    auto cells = cells_of<4>(tets, at.size(), "tets");
+    const EnergyForm form = form_of(margin3, power3, margin2, power2, weight2, weight_quality);
+    if (point < 0 || point >= static_cast<std::int64_t>(at.size()))
+        throw nb::value_error(("there is no point " + std::to_string(point)).c_str());
+    std::vector<bool> free(at.size());
+    free[static_cast<std::size_t>(point)] = true;
+    const MovingMesh mesh(std::move(at), std::move(cells), free);
+    std::vector<TetLanes> lanes;
+    Vec3 gradient;
+    double energy = 0.0;
+    if (!mesh.free().empty()) {
+        std::size_t work = 0;
+        load_star(mesh, mesh.free().front(), lanes);
+        energy = Objective(form).star(mesh, mesh.free().front(), lanes, gradient, work);
+    }
+    auto values = std::make_unique<double[]>(3);
+    values[0] = gradient.x;
+    values[1] = gradient.y;
+    values[2] = gradient.z;
+    return nb::make_tuple(energy, fresh(std::move(values), 3));
 }
 
 auto orientation(const Array &points, const Array &tets) {
@@ -243,6 +274,8 @@ NB_MODULE(_core, m) {
     using namespace nb::literals;
     m.def("tet_energy", &wct::tet_energy, "points"_a, "tets"_a, nb::kw_only(), "margin3"_a, "power3"_a, "margin2"_a,
           "power2"_a, "weight2"_a, "weight_quality"_a);
+    m.def("star_energy", &wct::star_energy, "points"_a, "tets"_a, "point"_a, nb::kw_only(), "margin3"_a, "power3"_a,
+          "margin2"_a, "power2"_a, "weight2"_a, "weight_quality"_a);
     m.def("orientation", &wct::orientation, "points"_a, "tets"_a);
     m.def("move_vertices", &wct::move_vertices, "points"_a, "tets"_a, "stratum"_a, "label"_a, "triangles"_a,
           "triangle_patch"_a, "segments"_a, "segment_curve"_a, nb::kw_only(), "goal"_a, "margin"_a, "effort"_a,

@@ -16,15 +16,15 @@ struct StarTet {
     std::int32_t other[3];
 };
 
-/// Flatness (det / longest edge^3, 0.71 for the regular tet) at which squeezing a tet for the sake of others ends. Movers
-/// that let hopeless tets go would leave slivers without it; it costs them next to nothing (measured: no well-centered
-/// tets up to 0.03, under one in a hundred at 0.06).
+/// Flatness (det / longest edge^3, 0.71 for the regular tet) at which squeezing a tet for the sake of others ends.
+/// Movers that let hopeless tets go would leave slivers without it; it costs them next to nothing (measured: no
+/// well-centered tets up to 0.03, under one in a hundred at 0.06).
 inline constexpr double kFlattest = 0.03;
 
 /// A mesh of fixed connectivity whose points move, with what every mover needs to know about it.
 ///
-/// No tet may become flatter than kFlattest, except that one which came in flatter may stay as flat as it was, so that it
-/// does not nail its corners down for ever; none may turn inside out, which is decided exactly.
+/// No tet may become flatter than kFlattest, except that one which came in flatter may stay as flat as it was, so that
+/// it does not nail its corners down for ever; none may turn inside out, which is decided exactly.
 class MovingMesh {
   public:
     /// `free` marks the points that may move. All tets must be positive.

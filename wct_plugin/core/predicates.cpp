@@ -114,10 +114,18 @@ struct Integer3 {
     Integer z;
 };
 
-Integer3 operator+(const Integer3 &a, const Integer3 &b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Integer3 operator-(const Integer3 &a, const Integer3 &b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Integer3 operator*(const Integer &s, const Integer3 &a) { return {s * a.x, s * a.y, s * a.z}; }
-Integer dot(const Integer3 &a, const Integer3 &b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Integer3 operator+(const Integer3 &a, const Integer3 &b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+Integer3 operator-(const Integer3 &a, const Integer3 &b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Integer3 operator*(const Integer &s, const Integer3 &a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+Integer dot(const Integer3 &a, const Integer3 &b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 Integer3 cross(const Integer3 &a, const Integer3 &b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

@@ -17,6 +17,8 @@ bool acute(const Vec3 &a, const Vec3 &b, const Vec3 &c);
 /// Does this flatness (det / longest edge^3), as floating point finds it, prove that the tet is positive? The rounding
 /// error of det is below 8e-16 times the sum of its absolute terms, which is at most 6 longest^3. Above 1/sqrt(2), the
 /// regular tet's, something underflowed.
-inline bool surely_positive(double flatness) { return flatness > 1e-14 && flatness < 0.75; }
+inline bool surely_positive(double flatness) {
+    return flatness > 1e-14 && flatness < 0.75;
+}
 
 } // namespace wct

@@ -13,8 +13,8 @@ using Tet = std::array<std::int32_t, 4>;
 /// What a point is free to do.
 enum class Stratum : std::int8_t { interior = 0, patch = 1, crease = 2, fixed = 3 };
 
-/// A mesh whose points are to move, and the boundary that they are to stay on: patch points on the triangles of the patch
-/// they are labelled with, crease points on the segments of their curve, as these lie at the start.
+/// A mesh whose points are to move, and the boundary that they are to stay on: patch points on the triangles of the
+/// patch they are labelled with, crease points on the segments of their curve, as these lie at the start.
 struct Problem {
     std::vector<Vec3> points;
     std::vector<Tet> tets;

@@ -56,8 +56,7 @@ template <class... Functions> struct Overload : Functions... {
 
 } // namespace
 
-Domain::Domain(const Problem &problem)
-    : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0) {
+Domain::Domain(const Problem &problem) : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0) {
     auto triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
     auto segments = by_label(problem.points, problem.segments, problem.segment_curve);
     std::map<std::int64_t, std::int32_t> patches;

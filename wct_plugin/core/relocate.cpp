@@ -88,8 +88,8 @@ bool relocate_one(MovingMesh &mesh, Domain &domain, const Objective &objective, 
 
 } // namespace
 
-std::size_t relocate(MovingMesh &mesh, Domain &domain, const Objective &objective,
-                     std::span<const std::int32_t> points, int sweeps, Monitor &monitor) {
+std::size_t relocate(MovingMesh &mesh, Domain &domain, const Objective &objective, std::span<const std::int32_t> points,
+                     int sweeps, Monitor &monitor) {
     std::vector<TetLanes> lanes;
     std::size_t moves = 0;
     for (int sweep = 0; sweep < sweeps; ++sweep) {

@@ -139,13 +139,14 @@ class Course {
         consider();
     }
 
-    /// Where all tets meet the goal: widen the smallest margins, none of which may be lost.
+    /// Where all tets meet the goal: widen the smallest margins, none falling below the smallest of all.
     void polish(double share) {
         if (!begin(share))
             return;
         Emphasis emphasis;
-        emphasis.height.assign(mesh_.tets().size(), 0.0);
-        emphasis.cosine.assign(mesh_.tets().size(), 0.0);
+        const double least = best_.worst - 0.5 * Judge::kRounding;
+        emphasis.height.assign(mesh_.tets().size(), least);
+        emphasis.cosine.assign(mesh_.tets().size(), least);
         const double margin = 1.25 * aim_.margin; // what is aimed at with a square is never quite reached
         const Objective objective({margin, 2.0, margin, 2.0, weight2() > 0.0 ? 1.0 : 0.0, 0.0}, std::move(emphasis));
         descend(mesh_, domain_, objective, 60 * aim_.effort, monitor_);
