@@ -39,6 +39,7 @@ def draw(axes, mesh, title, cut, norm):
 
 
 def main(before, after, target):
+    """Write the picture of two mesh files."""
     figure = Figure(figsize=(11, 3.6), layout="constrained")
     meshes = [wct.read(before), wct.read(after)]
     thin = np.eye(3)[np.argmin(np.ptp(meshes[0].points, axis=0))]

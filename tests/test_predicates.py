@@ -47,3 +47,8 @@ def test_extreme_units(size):
 def test_overflowing_differences():
     points = np.array([[-1, -1, -1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) * 1.7e308
     assert orientation(points, TET)[0] == 1
+
+
+def test_underflow_magnified_by_a_huge_edge():
+    points = np.array([[0.0, 9.79e93, 2.62e-303], [0.0, 0.0, 0.0], [3.89e-82, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    assert orientation(points, np.array([[0, 1, 2, 3]]))[0] == 0

@@ -23,7 +23,8 @@ def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray
         size = sum(
             (np.abs(p * q) + np.abs(r * s)) * np.abs(t) for (p, q, t), (r, s, _) in zip(terms, minus, strict=True)
         )
-        sure = np.abs(det) > _ORIENT_BOUND * size + 1e-300
+        lost = 1e-300 * (1.0 + np.abs(a).sum(axis=0))  # what underflow may lose in the products, magnified by an edge
+        sure = np.abs(det) > _ORIENT_BOUND * size + lost
     signs = np.sign(np.where(sure, det, 0.0)).astype(np.int64)
     for index in np.flatnonzero(~sure):
         signs[index] = _orientation_exact(points[tets[index]])

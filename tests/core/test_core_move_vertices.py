@@ -220,7 +220,7 @@ def test_one_tet(moving, goal):
 
 
 def test_right_angles_are_counted_exactly():
-    """In boxes cut Kuhn's way the circumcenter lies on an edge of every tet: none is well-centered, whatever rounding."""
+    """In boxes cut Kuhn's way the circumcenter lies on an edge of every tet: exactly none is well-centered."""
     mesh = cube(cells=3, jitter=0.0)
     sides = np.cumsum(np.random.default_rng(2).uniform(0.8, 1.2, (3, 4)), axis=1)
     points = np.stack([sides[axis][np.rint(3 * mesh.points[:, axis]).astype(int)] for axis in range(3)], axis=1)
