@@ -42,11 +42,17 @@ def sphere(rounds: int) -> SurfaceMesh:
 
 
 def children() -> set[int]:
-    """Processes started by this one that still run."""
-    found = subprocess.run(
-        ["ps", "-o", "pid=,args=", "--ppid", str(os.getpid())], capture_output=True, text=True
-    ).stdout
-    return {int(line.split()[0]) for line in found.splitlines() if "pytetwild" in line}
+    """Processes started by this one that still run the mesher."""
+    found = set()
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = (process / "stat").read_text().rpartition(")")[2].split()[1]
+            command = (process / "cmdline").read_bytes()
+        except OSError:  # it has ended meanwhile
+            continue
+        if parent == str(os.getpid()) and b"pytetwild" in command:
+            found.add(int(process.name))
+    return found
 
 
 def volume(mesh: Any) -> float:
