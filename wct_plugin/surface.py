@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.topology import FACETS
 
 Floats = NDArray[np.float64]
@@ -47,26 +47,44 @@ def strata(mesh: TetMesh, crease_angle: float = 40.0) -> Strata:
     more than 45 degrees, where the tags of tagged edges change, a tagged vertex (``mesh.nodes``), or a vertex where
     sheets of the surface touch that share no edge.
     """
-    count = len(mesh.points)
-    triangles, signature = _surface(mesh)
+    return _strata(mesh.points, *_surface(mesh), *_user_edges(mesh), mesh.nodes.vertices.ravel(), crease_angle)
+
+
+def surface_strata(surface: SurfaceMesh, crease_angle: float = 40.0) -> Strata:
+    """Patches, crease curves and corners of a surface by itself, by the same rules; its tags are its facets' tags."""
+    nothing = np.empty(0, dtype=np.int64)
+    return _strata(
+        surface.points, surface.triangles, surface.tags, nothing.reshape(0, 2), nothing, nothing, crease_angle
+    )
+
+
+def _strata(
+    points: Floats,
+    triangles: Ints,
+    signature: Ints,
+    user: Ints,
+    user_signature: Ints,
+    nodes: Ints,
+    crease_angle: float,
+) -> Strata:
+    count = len(points)
     edges, owners, starts, sizes, forward = _surface_edges(triangles, count)
 
     first, second = owners[starts], owners[starts + sizes - 1]
     paired = sizes == 2
     hard = ~paired | (signature[first] != signature[second])
     same_way = forward[starts] == forward[starts + sizes - 1]
-    bend = _bend(mesh.points, triangles, first, second, same_way)
+    bend = _bend(points, triangles, first, second, same_way)
     sharp = paired & (bend > np.radians(crease_angle))
-    user, user_signature = _user_edges(mesh)
     edge_keys, user_keys = edges @ [count, 1], user @ [count, 1]
     hard |= np.isin(edge_keys, user_keys)
     loose = ~np.isin(user_keys, edge_keys)  # tagged edges away from every surface
 
     pinned = _pinched(triangles, owners, starts, sizes, edges, count)
-    pinned[mesh.nodes.vertices] = True
+    pinned[nodes] = True
     crease = hard | sharp
     segments = edges[crease]
-    keep = _without_dangling(mesh.points, segments, hard[crease], pinned, _local_size(mesh.points, edges))
+    keep = _without_dangling(points, segments, hard[crease], pinned, _local_size(points, edges))
     crease[crease] = keep
     segments = np.concatenate([segments[keep], user[loose]])
     segment_keys = segments @ [count, 1]
@@ -75,7 +93,7 @@ def strata(mesh: TetMesh, crease_angle: float = 40.0) -> Strata:
 
     tag = np.full(len(segments), -1, dtype=np.int64)
     tag[np.searchsorted(segment_keys, user_keys)] = user_signature
-    corner = _corners(mesh.points, segments, tag) | pinned
+    corner = _corners(points, segments, tag) | pinned
     curve = _chains(segments, corner, count)
 
     smooth = paired & ~crease

@@ -283,6 +283,16 @@ void measure(const TetLanes &tets, bool cosines, ShapeLanes &shape) {
     }
 }
 
+TermLanes flatness_terms(double flatness) {
+    TermLanes terms;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        terms.flatness[lane] = flatness;
+        terms.height[lane] = terms.cosine[lane] = -std::numeric_limits<double>::infinity();
+        terms.weight[lane] = 1.0;
+    }
+    return terms;
+}
+
 WCT_MULTIVERSION
 void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy,
               SlopeLanes &slopes) {

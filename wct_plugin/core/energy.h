@@ -89,6 +89,9 @@ struct TermLanes {
     Lanes weight;
 };
 
+/// Terms that bound nothing but the flatness, each tet counting once.
+TermLanes flatness_terms(double flatness);
+
 /// Energy per lane, and its slopes. Where a bound of `terms` is broken the energy is infinite and the slopes are zero.
 void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy,
               SlopeLanes &slopes);

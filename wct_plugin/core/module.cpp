@@ -1,3 +1,4 @@
+#include "bindings.h"
 #include "energy.h"
 #include "monitor.h"
 #include "moving_mesh.h"
@@ -280,4 +281,7 @@ NB_MODULE(_core, m) {
     m.def("move_vertices", &wct::move_vertices, "points"_a, "tets"_a, "stratum"_a, "label"_a, "triangles"_a,
           "triangle_patch"_a, "segments"_a, "segment_curve"_a, nb::kw_only(), "goal"_a, "margin"_a, "effort"_a,
           "progress"_a = nb::none());
+    wct::bind_delaunay(m);
+    wct::bind_global(m);
+    wct::bind_search(m);
 }

@@ -8,6 +8,10 @@ namespace wct {
 /// Coordinates must be finite. Floating point decides what its error bound allows, integer arithmetic the rest.
 int orient3d(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d);
 
+/// Exact position of e to the sphere through a positive tet a, b, c, d: 1 inside, -1 outside, 0 on it. For an inverted
+/// tet the signs are swapped. Coordinates must be finite.
+int insphere(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d, const Vec3 &e);
+
 /// Exact: does the positive tet contain its circumcenter strictly inside?
 bool contains_circumcenter(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d);
 

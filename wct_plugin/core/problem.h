@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cells.h"
 #include "vec3.h"
 
 #include <array>
@@ -7,11 +8,6 @@
 #include <vector>
 
 namespace wct {
-
-using Tet = std::array<std::int32_t, 4>;
-
-/// What a point is free to do.
-enum class Stratum : std::int8_t { interior = 0, patch = 1, crease = 2, fixed = 3 };
 
 /// A mesh whose points are to move, and the boundary that they are to stay on: patch points on the triangles of the
 /// patch they are labelled with, crease points on the segments of their curve, as these lie at the start.

@@ -84,7 +84,7 @@ Domain::Domain(const Problem &problem) : where_(problem.points.size(), kFixed), 
         case Stratum::crease:
             settle(segments, curves, p, problem.label[p], "curve");
             break;
-        case Stratum::fixed:
+        case Stratum::corner:
             break;
         }
 }

@@ -1,0 +1,246 @@
+"""The global stage: closest points, curvatures, and what a resampled domain must keep."""
+
+import numpy as np
+import pytest
+
+from wct_plugin import _core
+
+FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+
+
+def grid(u, v, close_u, close_v):
+    """Triangles of a u x v grid of quads, wrapped where asked."""
+    i, j = np.meshgrid(np.arange(u if close_u else u - 1), np.arange(v if close_v else v - 1), indexing="ij")
+    a, b = i * v + j, ((i + 1) % u) * v + j
+    c, d = ((i + 1) % u) * v + (j + 1) % v, i * v + (j + 1) % v
+    return np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+
+
+def torus(u=96, v=48, big=1.0, small=0.35):
+    s, t = np.meshgrid(np.arange(u) * 2 * np.pi / u, np.arange(v) * 2 * np.pi / v, indexing="ij")
+    ring = big + small * np.cos(t)
+    points = np.stack([ring * np.cos(s), ring * np.sin(s), small * np.sin(t)], -1).reshape(-1, 3)
+    return points, grid(u, v, True, True), t.ravel()
+
+
+def box(n, turn=None):
+    """A unit cube of n^3 cells of six tets, and its surface in strata; region 1 where x > 1/2 if n is even."""
+    axis = np.arange(n + 1)
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
+    points = np.stack([x, y, z], -1).reshape(-1, 3) / n
+    number = np.arange((n + 1) ** 3).reshape(n + 1, n + 1, n + 1)
+    tets = []
+    for order in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)):
+        at, path = np.zeros(3, dtype=int), []
+        for step in (None, *order):
+            if step is not None:
+                at[step] += 1
+            i, j, k = at
+            path.append(number[i : i + n, j : j + n, k : k + n].ravel())
+        tets.append(np.stack(path, -1))
+    tets = np.concatenate(tets)
+    a, b, c, d = np.moveaxis(points[tets], 1, 0)
+    flip = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) < 0
+    tets[flip] = tets[flip][:, [0, 1, 3, 2]]
+    return points if turn is None else points @ turn.T, tets
+
+
+CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+
+
+def cube_surface(turn=None):
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    segments = np.array([[a, b] for a in range(8) for b in range(a + 1, 8) if (CUBE[a] != CUBE[b]).sum() == 1])
+    return {
+        "surface_points": CUBE if turn is None else CUBE @ turn.T,
+        "triangles": triangles,
+        "patch": np.repeat(np.arange(6), 2),
+        "segments": segments,
+        "curve": np.arange(12),
+        "corners": np.arange(8),
+        "sides": np.tile([0, -1], (6, 1)),
+    }
+
+
+def rotation():
+    q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    return q * np.linalg.det(q)
+
+
+def volumes(points, tets):
+    a, b, c, d = np.moveaxis(points[tets], 1, 0)
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
+def boundary(tets):
+    facets = tets[:, FACETS].reshape(-1, 3)
+    _, first, count = np.unique(np.sort(facets, axis=1), axis=0, return_index=True, return_counts=True)
+    assert count.max() <= 2
+    return facets[first[count == 1]]
+
+
+def edge_uses(triangles):
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return np.unique(ends, axis=0, return_counts=True)[1]
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["straight", "turned"])
+def cube(request):
+    turn = rotation() if request.param else None
+    points, tets = box(6, turn)
+    region = np.zeros(len(tets), dtype=np.int64)
+    result = _core.resample(**cube_surface(turn), points=points, tets=tets, region=region, tolerance=1e-3)
+    return result, points, tets, turn
+
+
+def test_closest_points_against_dense_samples():
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(60, 3))
+    triangles = np.array([rng.choice(60, 3, replace=False) for _ in range(40)])
+    queries = rng.normal(size=(50, 3)) * 1.5
+    found, triangle, distance = _core.closest_points(points, triangles, queries)
+    n = 60
+    weights = np.array([(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]) / n
+    samples = np.einsum("wk,tkd->twd", weights, points[triangles])
+    dense = np.linalg.norm(samples[None] - queries[:, None, None], axis=-1).min(axis=(1, 2))
+    assert (distance <= dense + 1e-12).all()
+    assert (dense - distance < 0.1).all()
+    assert np.allclose(np.linalg.norm(found - queries, axis=1), distance, atol=1e-12)
+    a, b, c = np.moveaxis(points[triangles[triangle]], 1, 0)
+    normal = np.cross(b - a, c - a)
+    off = np.einsum("ij,ij->i", found - a, normal) / np.linalg.norm(normal, axis=1)
+    assert np.abs(off).max() < 1e-12
+
+
+def test_curvatures_of_a_torus():
+    points, triangles, angle = torus()
+    found = _core.surface_curvatures(points, triangles, np.zeros(len(triangles), dtype=np.int64))
+    first, second = found.reshape(-1, 3, 2)[..., 0].ravel(), found.reshape(-1, 3, 2)[..., 1].ravel()
+    t = angle[triangles].ravel()
+    assert np.allclose(first, 1 / 0.35, rtol=0.03)
+    assert np.allclose(second, np.cos(t) / (1 + 0.35 * np.cos(t)), atol=0.06)
+
+
+def test_curvatures_of_a_cylinder_away_from_its_rims():
+    u, v = 64, 24
+    s, z = np.meshgrid(np.arange(u) * 2 * np.pi / u, np.linspace(0, 2, v), indexing="ij")
+    points = np.stack([0.5 * np.cos(s), 0.5 * np.sin(s), z], -1).reshape(-1, 3)
+    triangles = grid(u, v, True, False)
+    found = _core.surface_curvatures(points, triangles, np.zeros(len(triangles), dtype=np.int64))
+    inner = ((points[:, 2] > 0.4) & (points[:, 2] < 1.6))[triangles].ravel()
+    values = found.reshape(-1, 2)[inner]
+    assert np.allclose(np.abs(values[:, 0]), 2.0, rtol=0.02)
+    assert np.abs(values[:, 1]).max() < 0.02
+
+
+def test_planes_have_no_curvature():
+    surface = cube_surface()
+    found = _core.surface_curvatures(surface["surface_points"], surface["triangles"], surface["patch"])
+    assert (found == 0.0).all()
+
+
+def test_cube_keeps_its_planes_edges_corners_and_volume(cube):
+    result, _, _, turn = cube
+    points, tets, stratum = result["points"], result["tets"], result["stratum"]
+    back = points if turn is None else points @ turn
+    assert (volumes(points, tets) > 0).all()
+    assert volumes(points, tets).sum() == pytest.approx(1.0, abs=1e-12)
+    on_planes = (np.abs(back[:, :, None] - [0.0, 1.0]).min(axis=2) < 1e-12).sum(axis=1)
+    assert (on_planes == stratum).all()
+    assert (stratum == 3).sum() == 8
+    surface = boundary(tets)
+    assert (edge_uses(surface) == 2).all()
+    assert (stratum[surface] > 0).all()
+    assert len(result["exposed"]) == len(result["pinched"]) == 0
+
+
+def test_cube_is_nearly_well_centered_and_keeps_its_size(cube):
+    result, _, tets, _ = cube
+    assert 0.8 < len(result["tets"]) / len(tets) < 1.3
+    assert result["stats"]["bad"] < 0.06 * len(result["tets"])
+
+
+def test_seeds_keep_their_distance(cube):
+    result, _, _, _ = cube
+    points, tets, size = result["points"], result["tets"], result["size"]
+    ends = np.unique(np.sort(tets[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2), axis=1), axis=0)
+    length = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1) / size[ends].mean(axis=1)
+    assert length.min() > 0.3
+    assert 0.8 < np.median(length) < 1.1
+
+
+def test_same_input_same_bits():
+    points, tets = box(4)
+    region = np.zeros(len(tets), dtype=np.int64)
+    runs = [_core.resample(**cube_surface(), points=points, tets=tets, region=region, tolerance=1e-3) for _ in range(2)]
+    for name in ("points", "tets", "region", "stratum", "label", "size"):
+        assert np.array_equal(runs[0][name], runs[1][name])
+    other = _core.resample(**cube_surface(), points=points, tets=tets, region=region, tolerance=1e-3, seed=2)
+    assert not np.array_equal(runs[0]["points"], other["points"])
+
+
+def test_two_regions_share_an_interface():
+    points, tets = box(6)
+    region = (points[tets].mean(axis=1)[:, 0] > 0.5).astype(np.int64)
+    half = np.array([[x, y, z] for x in (0.0, 0.5, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    quads = [(0, 1, 3, 2), (8, 10, 11, 9), (4, 6, 7, 5)]  # x = 0, x = 1, the interface
+    sides = [(0, -1), (1, -1), (0, 1)]
+    for low in (0, 4):
+        a, b = low, low + 4
+        quads += [
+            (a, b, b + 1, a + 1),
+            (a + 2, a + 3, b + 3, b + 2),
+            (a, a + 2, b + 2, b),
+            (a + 1, b + 1, b + 3, a + 3),
+        ]
+        sides += [(low // 4, -1)] * 4
+    triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    segments = np.array(
+        [[a, b] for a in range(12) for b in range(a + 1, 12) if np.isclose(half[a], half[b]).sum() == 2]
+    )
+    segments = segments[~((half[segments[:, 0], 0] == 0) & (half[segments[:, 1], 0] == 1))]
+    result = _core.resample(
+        half,
+        triangles,
+        np.repeat(np.arange(len(quads)), 2),
+        segments,
+        np.arange(len(segments)),
+        np.arange(12),
+        np.array(sides),
+        points,
+        tets,
+        region,
+        1e-3,
+    )
+    volume = volumes(result["points"], result["tets"])
+    for which in (0, 1):
+        assert volume[result["region"] == which].sum() == pytest.approx(0.5, abs=1e-12)
+
+
+def test_progress_can_stop_it():
+    points, tets = box(10)
+    calls = []
+    result = _core.resample(
+        **cube_surface(),
+        points=points,
+        tets=tets,
+        region=np.zeros(len(tets), dtype=np.int64),
+        tolerance=1e-3,
+        progress=lambda done, bad: bool(calls.append(done)),
+    )
+    assert len(calls) == 1
+    assert result["stats"]["stopped"]
+
+
+def test_bad_arguments_are_refused():
+    points, tets = box(2)
+    surface = cube_surface()
+    region = np.zeros(len(tets), dtype=np.int64)
+    with pytest.raises(ValueError, match="tolerance"):
+        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=0.0)
+    with pytest.raises(ValueError, match="unknown option"):
+        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0, options={"colour": 1})
+    surface["triangles"] = surface["triangles"] + 100
+    with pytest.raises(ValueError, match="out of range"):
+        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0)

@@ -1,0 +1,335 @@
+#include "bindings.h"
+
+#include "global_stage.h"
+#include "surface_labels.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+namespace nb = nanobind;
+
+namespace wct {
+
+namespace {
+
+using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Values = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Ids = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+template <int n> using Rows = nb::ndarray<const std::int64_t, nb::shape<-1, n>, nb::c_contig, nb::device::cpu>;
+
+std::vector<Vec3> vectors(const Points &points) {
+    std::vector<Vec3> out(points.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = {points(i, 0), points(i, 1), points(i, 2)};
+    return out;
+}
+
+int checked(std::int64_t value, std::size_t count, const char *what) {
+    if (value < 0 || value >= static_cast<std::int64_t>(count))
+        throw std::invalid_argument(std::string(what) + ": index " + std::to_string(value) + " is out of range");
+    return static_cast<int>(value);
+}
+
+template <int n> std::vector<std::array<int, n>> rows(const Rows<n> &values, std::size_t count, const char *what) {
+    std::vector<std::array<int, n>> out(values.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i)
+        for (int k = 0; k < n; ++k)
+            out[i][k] = checked(values(i, k), count, what);
+    return out;
+}
+
+std::vector<int> ids(const Ids &values, std::size_t count, const char *what) {
+    std::vector<int> out(values.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = checked(values(i), count, what);
+    return out;
+}
+
+void same_length(std::size_t a, std::size_t b, const char *what) {
+    if (a != b)
+        throw std::invalid_argument(std::string(what) + ": " + std::to_string(a) + " values, " + std::to_string(b) +
+                                    " wanted");
+}
+
+/// A NumPy array of `width` columns (0: one-dimensional) that owns what `fill` writes.
+template <class T, class Fill> nb::object array(std::size_t count, std::size_t width, const Fill &fill) {
+    const std::size_t total = count * std::max<std::size_t>(width, 1);
+    auto values = std::make_unique<T[]>(std::max<std::size_t>(total, 1));
+    fill(values.get());
+    nb::capsule owner(values.get(), [](void *data) noexcept { delete[] static_cast<T *>(data); });
+    const std::size_t shape[2] = {count, width};
+    return nb::cast(nb::ndarray<nb::numpy, T>(values.release(), width ? 2 : 1, shape, owner));
+}
+
+nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
+    const Cloud &cloud = result.cloud;
+    std::vector<int> kept; // the tets inside
+    for (std::size_t t = 0; t < result.complex.all.tets.size(); ++t)
+        if (result.complex.region[t] >= 0)
+            kept.push_back(static_cast<int>(t));
+    std::vector<char> used(cloud.count(), 0);
+    for (const int t : kept)
+        for (const int v : result.complex.all.tets[t])
+            used[v] = 1;
+    std::vector<std::size_t> points;
+    std::vector<std::int64_t> place(cloud.count(), -1);
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (used[i]) {
+            place[i] = static_cast<std::int64_t>(points.size());
+            points.push_back(i);
+        }
+    nb::dict out;
+    out["points"] = array<double>(points.size(), 3, [&](double *to) {
+        for (const std::size_t i : points) {
+            *to++ = cloud.points[i].x;
+            *to++ = cloud.points[i].y;
+            *to++ = cloud.points[i].z;
+        }
+    });
+    out["tets"] = array<std::int64_t>(kept.size(), 4, [&](std::int64_t *to) {
+        for (const int t : kept)
+            for (const int v : result.complex.all.tets[t])
+                *to++ = place[v];
+    });
+    out["region"] = array<std::int64_t>(kept.size(), 0, [&](std::int64_t *to) {
+        for (const int t : kept)
+            *to++ = result.complex.region[t];
+    });
+    out["stratum"] = array<std::int8_t>(points.size(), 0, [&](std::int8_t *to) {
+        for (const std::size_t i : points)
+            *to++ = static_cast<std::int8_t>(cloud.role[i]);
+    });
+    out["label"] = array<std::int64_t>(points.size(), 0, [&](std::int64_t *to) {
+        for (const std::size_t i : points)
+            *to++ = cloud.role[i] == Stratum::interior ? -1 : cloud.label[i];
+    });
+    out["size"] = array<double>(points.size(), 0, [&](double *to) {
+        for (const std::size_t i : points)
+            *to++ = cloud.size[i];
+    });
+    out["facets"] = array<std::int64_t>(surface.facets.size(), 3, [&](std::int64_t *to) {
+        for (const Facet &facet : surface.facets)
+            for (const int v : facet)
+                *to++ = place[v];
+    });
+    out["facet_patch"] = array<std::int64_t>(
+        surface.patch.size(), 0, [&](std::int64_t *to) { std::copy(surface.patch.begin(), surface.patch.end(), to); });
+    out["creases"] = array<std::int64_t>(surface.creases.size(), 2, [&](std::int64_t *to) {
+        for (const Edge &edge : surface.creases)
+            for (const int v : edge)
+                *to++ = place[v];
+    });
+    out["crease_curve"] = array<std::int64_t>(
+        surface.curve.size(), 0, [&](std::int64_t *to) { std::copy(surface.curve.begin(), surface.curve.end(), to); });
+    const auto flawed = [&](const std::vector<int> &list) {
+        return array<std::int64_t>(list.size(), 0, [&](std::int64_t *to) {
+            for (const int v : list)
+                *to++ = place[v];
+        });
+    };
+    out["exposed"] = flawed(result.flaws.exposed);
+    out["pinched"] = flawed(result.flaws.pinched);
+    nb::dict stats;
+    stats["bad"] = result.tally.bad;
+    stats["deviation_out"] = result.deviation.most_out;
+    stats["deviation_in"] = result.deviation.most_in;
+    stats["volume_gain"] = result.deviation.volume_gain;
+    stats["stopped"] = result.stopped;
+    for (const auto &[name, value] : result.stats)
+        stats[name.c_str()] = value;
+    out["stats"] = stats;
+    return out;
+}
+
+template <class T> void take(nb::dict &options, const char *name, T &to) {
+    if (!options.contains(name))
+        return;
+    to = nb::cast<T>(options[name]);
+    nb::del(options[name]);
+}
+
+GlobalForm form_of(nb::dict options) {
+    GlobalForm form;
+    take(options, "sag", form.sizing.sag);
+    take(options, "thickness", form.sizing.thickness);
+    take(options, "surface_grade", form.sizing.surface_grade);
+    take(options, "inner_grade", form.sizing.inner_grade);
+    take(options, "smallest", form.sizing.smallest);
+    take(options, "coarsen", form.sizing.coarsen);
+    take(options, "patch_spacing", form.seeds.patch_spacing);
+    take(options, "front_spacing", form.seeds.front_spacing);
+    take(options, "level_ratio", form.seeds.level_ratio);
+    take(options, "edge_per_cell", form.seeds.edge_per_cell);
+    take(options, "least_depth", form.seeds.least_depth);
+    take(options, "level_gap", form.seeds.level_gap);
+    take(options, "offset", form.offset);
+    take(options, "shell", form.shell);
+    take(options, "sweeps", form.sweeps);
+    take(options, "step", form.step);
+    take(options, "mend_from", form.mend_from);
+    take(options, "longest", form.longest);
+    take(options, "shortest", form.shortest);
+    take(options, "edge_limit", form.edge.limit);
+    take(options, "edge_weight", form.edge.weight);
+    take(options, "rounds", form.rounds);
+    take(options, "iterations", form.iterations);
+    take(options, "reach", form.reach);
+    take(options, "trials", form.trials);
+    take(options, "trial_sweeps", form.trial_sweeps);
+    take(options, "target", form.target);
+    take(options, "margin3", form.energy.margin3);
+    take(options, "margin2", form.energy.margin2);
+    take(options, "weight2", form.energy.weight2);
+    take(options, "weight_quality", form.energy.weight_quality);
+    for (auto [key, value] : options)
+        throw std::invalid_argument("unknown option " + nb::cast<std::string>(key));
+    return form;
+}
+
+/// Nearest points of a surface: points, triangles, distances.
+nb::tuple closest_arrays(const Points &surface_points, const Rows<3> &triangles, const Points &queries) {
+    SurfaceData surface;
+    surface.points = vectors(surface_points);
+    surface.triangles = rows<3>(triangles, surface.points.size(), "triangles");
+    if (surface.triangles.empty())
+        throw std::invalid_argument("the surface has no triangles");
+    surface.patch.assign(surface.triangles.size(), 0);
+    surface.sides = {{0, -1}};
+    const std::vector<Vec3> at = vectors(queries);
+    std::vector<Foot> feet(at.size());
+    {
+        nb::gil_scoped_release release;
+        const Reference reference(std::move(surface));
+        for (std::size_t i = 0; i < at.size(); ++i)
+            feet[i] = reference.nearest(at[i]);
+    }
+    return nb::make_tuple(array<double>(feet.size(), 3,
+                                        [&](double *to) {
+                                            for (const Foot &foot : feet) {
+                                                *to++ = foot.point.x;
+                                                *to++ = foot.point.y;
+                                                *to++ = foot.point.z;
+                                            }
+                                        }),
+                          array<std::int64_t>(feet.size(), 0,
+                                              [&](std::int64_t *to) {
+                                                  for (const Foot &foot : feet)
+                                                      *to++ = foot.triangle;
+                                              }),
+                          array<double>(feet.size(), 0, [&](double *to) {
+                              for (const Foot &foot : feet)
+                                  *to++ = foot.distance;
+                          }));
+}
+
+/// Principal curvatures per triangle corner.
+nb::object curvature_arrays(const Points &surface_points, const Rows<3> &triangles, const Ids &patch) {
+    SurfaceData surface;
+    surface.points = vectors(surface_points);
+    surface.triangles = rows<3>(triangles, surface.points.size(), "triangles");
+    same_length(patch.shape(0), triangles.shape(0), "patch");
+    surface.patch = ids(patch, surface.triangles.size(), "patch");
+    for (const int p : surface.patch)
+        surface.sides.resize(std::max<std::size_t>(surface.sides.size(), p + 1), {0, -1});
+    const std::size_t count = surface.triangles.size();
+    const Reference reference(std::move(surface));
+    return array<double>(count, 6, [&](double *to) {
+        for (std::size_t t = 0; t < count; ++t)
+            for (int k = 0; k < 3; ++k)
+                for (const double value : reference.curvature(reference.wedge(static_cast<int>(t), k)))
+                    *to++ = value;
+    });
+}
+
+nb::dict resample_arrays(const Points &surface_points, const Rows<3> &triangles, const Ids &patch,
+                         const Rows<2> &segments, const Ids &curve, const Ids &corners,
+                         const nb::ndarray<const std::int64_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> &sides,
+                         const Points &points, const Rows<4> &tets, const Ids &region, double tolerance,
+                         const std::optional<Values> &size, bool cosines, std::uint64_t seed,
+                         const std::function<bool(double, std::int64_t)> &progress, const nb::dict &options) {
+    SurfaceData surface;
+    surface.points = vectors(surface_points);
+    surface.triangles = rows<3>(triangles, surface.points.size(), "triangles");
+    same_length(patch.shape(0), triangles.shape(0), "patch");
+    surface.patch = ids(patch, sides.shape(0), "patch");
+    surface.segments = rows<2>(segments, surface.points.size(), "segments");
+    same_length(curve.shape(0), segments.shape(0), "curve");
+    surface.curve = ids(curve, std::max<std::size_t>(segments.shape(0), 1), "curve");
+    surface.corners = ids(corners, surface.points.size(), "corners");
+    for (std::size_t i = 0; i < sides.shape(0); ++i)
+        surface.sides.push_back({static_cast<int>(sides(i, 0)), static_cast<int>(sides(i, 1))});
+    InputMesh mesh;
+    mesh.points = vectors(points);
+    mesh.tets = rows<4>(tets, mesh.points.size(), "tets");
+    same_length(region.shape(0), tets.shape(0), "region");
+    mesh.region = ids(region, std::size_t{1} << 30, "region");
+    if (surface.triangles.empty() || mesh.tets.empty())
+        throw std::invalid_argument("a surface and a mesh are needed");
+    if (!(tolerance > 0.0))
+        throw std::invalid_argument("tolerance must be positive");
+    std::vector<double> wanted;
+    if (size) {
+        same_length(size->shape(0), points.shape(0), "size");
+        wanted.assign(size->data(), size->data() + size->shape(0));
+    }
+    nb::dict copy;
+    copy.update(options);
+    GlobalForm form = form_of(copy);
+    form.sizing.tolerance = tolerance;
+    form.cosines = cosines;
+    form.seed = seed;
+    Monitor::Listener listener = [&](double done, std::int64_t bad) {
+        nb::gil_scoped_acquire held;
+        if (PyErr_CheckSignals() != 0)
+            throw nb::python_error();
+        return !progress || progress(done, bad);
+    };
+    GlobalResult result;
+    SurfaceLabels labels;
+    {
+        nb::gil_scoped_release release;
+        Monitor monitor(listener);
+        Reference reference(std::move(surface));
+        result = resample(reference, mesh, wanted, form, monitor);
+        labels = label_surface(result.cloud, result.complex, reference);
+    }
+    return to_python(result, labels);
+}
+
+} // namespace
+
+void bind_global(nb::module_ &m) {
+    m.def(
+        "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
+        nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
+        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("cosines") = true,
+        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("options") = nb::dict(),
+        "Resample a domain with tets that are nearly all well-centered.\n\n"
+        "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
+        "ids\n"
+        "(s,), corners (c,), sides (patches, 2): the region behind a patch's triangles and the one before, -1 "
+        "outside.\n"
+        "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
+        "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
+        "one. progress(done, bad) returns False to stop.\n\n"
+        "Returns a dict: points, tets, region per tet, per point stratum (0 interior, 1 patch, 2 crease, 3 corner),\n"
+        "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
+        "where\n"
+        "the result is no manifold (both empty if all went well); stats. The same input and seed give the same bits.");
+    m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
+          "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
+    m.def(
+        "surface_curvatures", &curvature_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
+        "Principal curvatures (t, 6) at the three corners of each triangle as its patch sees them, the larger first;\n"
+        "positive where the surface bends away from its normal. Zero on planar patches.");
+}
+
+} // namespace wct

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace wct {
+
+/// Each adds its part to the module.
+void bind_delaunay(nanobind::module_ &m);
+void bind_global(nanobind::module_ &m);
+void bind_search(nanobind::module_ &m);
+
+} // namespace wct

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace wct {
+
+using Tet = std::array<std::int32_t, 4>;
+using Facet = std::array<std::int32_t, 3>;
+using Edge = std::array<std::int32_t, 2>;
+
+/// What a point is free to do: anything; stay on its patch of the surface; stay on its crease; stay.
+enum class Stratum : std::int8_t { interior = 0, patch = 1, crease = 2, corner = 3 };
+
+/// Facet i lies opposite corner i; (kFacets[i], i) is an even permutation, so that it winds towards corner i.
+inline constexpr int kFacets[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+inline constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+} // namespace wct

@@ -1,0 +1,119 @@
+#include "cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace wct {
+
+namespace {
+
+std::int64_t cell_of(double x, double cell) {
+    return static_cast<std::int64_t>(std::floor(x / cell));
+}
+
+std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
+    constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1; // wraps far away: only costs a few idle comparisons
+    return (static_cast<std::uint64_t>(i) & kMask) << 42 | (static_cast<std::uint64_t>(j) & kMask) << 21 |
+           (static_cast<std::uint64_t>(k) & kMask);
+}
+
+} // namespace
+
+void Cloud::keep(const std::vector<char> &which) {
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (which[i]) {
+            points[to] = points[i];
+            role[to] = role[i];
+            label[to] = label[i];
+            size[to] = size[i];
+            ++to;
+        }
+    points.resize(to);
+    role.resize(to);
+    label.resize(to);
+    size.resize(to);
+}
+
+bool drop_twins(Cloud &cloud) {
+    std::vector<std::size_t> order(cloud.count());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto key_of = [&](std::size_t i) {
+        const Vec3 &p = cloud.points[i];
+        return std::tuple(p.x, p.y, p.z);
+    };
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        if (key_of(i) != key_of(j))
+            return key_of(i) < key_of(j);
+        return cloud.role[i] != cloud.role[j] ? cloud.role[i] > cloud.role[j] : i < j;
+    });
+    std::vector<char> keep(cloud.count(), 1);
+    bool any = false;
+    for (std::size_t k = 1; k < order.size(); ++k)
+        if (key_of(order[k]) == key_of(order[k - 1])) {
+            keep[order[k]] = 0;
+            any = true;
+        }
+    if (any)
+        cloud.keep(keep);
+    return any;
+}
+
+void retract(Cloud &cloud, const Reference &reference, std::vector<Vec3> *direction) {
+    if (direction)
+        direction->assign(cloud.count(), {});
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+        Vec3 d;
+        switch (cloud.role[i]) {
+        case Stratum::patch:
+            d = reference.to_patch(cloud.points[i], cloud.label[i]);
+            break;
+        case Stratum::crease:
+            d = reference.to_curve(cloud.points[i], cloud.label[i]);
+            break;
+        case Stratum::corner:
+            cloud.points[i] = reference.data().points[cloud.label[i]];
+            break;
+        case Stratum::interior:
+            break;
+        }
+        if (direction)
+            (*direction)[i] = d;
+    }
+}
+
+void PointGrid::add(const Vec3 &p, double radius) {
+    const double cell = std::exp2(std::ceil(std::log2(radius)));
+    auto at = levels_.begin();
+    while (at != levels_.end() && at->cell < cell)
+        ++at;
+    if (at == levels_.end() || at->cell != cell)
+        at = levels_.insert(at, Level{cell, {}});
+    at->cells[key(cell_of(p.x, cell), cell_of(p.y, cell), cell_of(p.z, cell))].push_back({p, radius});
+}
+
+bool PointGrid::crowded(const Vec3 &p, double radius) const {
+    for (const Level &level : levels_) {
+        const double reach = 0.5 * (radius + level.cell); // no radius on this level exceeds its cell
+        const auto lo = [&](double x) { return cell_of(x - reach, level.cell); };
+        const auto hi = [&](double x) { return cell_of(x + reach, level.cell); };
+        for (auto i = lo(p.x); i <= hi(p.x); ++i)
+            for (auto j = lo(p.y); j <= hi(p.y); ++j)
+                for (auto k = lo(p.z); k <= hi(p.z); ++k) {
+                    const auto found = level.cells.find(key(i, j, k));
+                    if (found == level.cells.end())
+                        continue;
+                    for (const Item &item : found->second) {
+                        const Vec3 d = item.point - p;
+                        const double limit = 0.5 * (radius + item.radius);
+                        if (dot(d, d) < limit * limit)
+                            return true;
+                    }
+                }
+    }
+    return false;
+}
+
+} // namespace wct

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "cells.h"
+#include "reference.h"
+#include "vec3.h"
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace wct {
+
+/// The points of a mesh in the making.
+struct Cloud {
+    std::vector<Vec3> points;
+    std::vector<Stratum> role;
+    std::vector<int> label;   // patch, curve, vertex of the surface; for interior points their region
+    std::vector<double> size; // wanted edge length
+
+    std::size_t count() const { return points.size(); }
+    void add(const Vec3 &p, Stratum s, int l, double h) {
+        points.push_back(p);
+        role.push_back(s);
+        label.push_back(l);
+        size.push_back(h);
+    }
+    void keep(const std::vector<char> &which);
+};
+
+/// Drop points that coincide with another: of two the one that is freer to move goes, else the later one. True if any
+/// did.
+bool drop_twins(Cloud &cloud);
+
+/// Put every boundary point where its role wants it. `direction`, if given, receives per point the patch's normal or
+/// the curve's tangent.
+void retract(Cloud &cloud, const Reference &reference, std::vector<Vec3> *direction = nullptr);
+
+/// Points with a radius each, for asking what is near: one hash grid per power of two of the radius.
+class PointGrid {
+  public:
+    void add(const Vec3 &p, double radius);
+    /// Is a point closer than the mean of its radius and this one?
+    bool crowded(const Vec3 &p, double radius) const;
+
+  private:
+    struct Item {
+        Vec3 point;
+        double radius;
+    };
+    struct Level {
+        double cell;
+        std::unordered_map<std::uint64_t, std::vector<Item>> cells;
+    };
+    std::vector<Level> levels_; // ascending cells
+};
+
+} // namespace wct

@@ -1,0 +1,306 @@
+#include "descent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+
+namespace wct {
+
+namespace {
+
+using Field = std::vector<Vec3>;
+
+double product(const Field &a, const Field &b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        sum += dot(a[i], b[i]);
+    return sum;
+}
+
+void add(Field &a, double s, const Field &b) {
+    for (std::size_t i = 0; i < a.size(); ++i)
+        a[i] += s * b[i];
+}
+
+class Objective {
+  public:
+    Objective(const Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
+              const EdgeForm &edges, const std::vector<char> &curved)
+        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges) {
+        if (edges.weight > 0.0)
+            for (const auto &edge : surface_edges(complex))
+                if (curved[edge[0]] && curved[edge[1]])
+                    edges_.push_back(edge);
+        for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+            if (complex.region[t] >= 0)
+                tets_.push_back(complex.all.tets[t]);
+        // Next to nothing is left of a tet as flat as this: it is for the next triangulation to deal with, and must not
+        // make the energy infinite before anything has moved.
+        constexpr double kHopeless = 2e-2;
+        TetLanes lanes;
+        WorstLanes worst;
+        std::vector<std::array<int, 4>> kept;
+        for (std::size_t first = 0; first < tets_.size(); first += kLanes) {
+            load(cloud.points, first, lanes);
+            measure_worst(lanes, false, worst);
+            for (std::size_t k = first; k < std::min(first + kLanes, tets_.size()); ++k) {
+                const double flatness = worst.flatness[static_cast<int>(k - first)];
+                if (flatness < kHopeless)
+                    continue;
+                kept.push_back(tets_[k]);
+                // A tet that is degenerate already may stay so, but not turn inside out.
+                floors_.push_back(std::min(kDegenerate, 0.5 * flatness));
+            }
+        }
+        tets_ = std::move(kept);
+    }
+
+    /// Infinite where a tet would become degenerate; `blocked` then holds the corners of all such tets.
+    double operator()(const Field &points, Field &gradient, std::vector<int> &blocked) {
+        const bool cosines = form_.weight2 > 0.0;
+        gradient.assign(points.size(), {});
+        blocked.clear();
+        double sum = 0.0;
+        TetLanes lanes;
+        TermLanes terms = flatness_terms(0.0);
+        Lanes energy;
+        evaluations_ += tets_.size();
+        for (std::size_t first = 0; first < tets_.size(); first += kLanes) {
+            load(points, first, lanes);
+            for (int lane = 0; lane < kLanes; ++lane)
+                terms.flatness[lane] = floors_[std::min(first + static_cast<std::size_t>(lane), tets_.size() - 1)];
+            measure(lanes, cosines, shape_);
+            penalize(shape_, form_, terms, energy, slopes_);
+            differentiate(lanes, shape_, slopes_, cosines, gradient_);
+            const std::size_t count = std::min<std::size_t>(kLanes, tets_.size() - first);
+            for (std::size_t lane = 0; lane < count; ++lane) {
+                const int l = static_cast<int>(lane);
+                if (!(energy[l] < std::numeric_limits<double>::infinity()))
+                    blocked.insert(blocked.end(), tets_[first + lane].begin(), tets_[first + lane].end());
+                sum += energy[l];
+                for (int k = 0; k < 4; ++k)
+                    gradient[tets_[first + lane][k]] +=
+                        {gradient_.corner[k][0][l], gradient_.corner[k][1][l], gradient_.corner[k][2][l]};
+            }
+        }
+        if (!blocked.empty())
+            return std::numeric_limits<double>::infinity();
+        for (const auto &[v, w] : edges_) {
+            const Vec3 d = points[v] - points[w];
+            const double limit = 0.5 * edge_form_.limit * (cloud_.size[v] + cloud_.size[w]);
+            const double length = norm(d);
+            if (length <= limit)
+                continue;
+            const double over = length / limit - 1.0;
+            sum += edge_form_.weight * over * over;
+            const Vec3 pull = (2.0 * edge_form_.weight * over / (limit * length)) * d;
+            gradient[v] += pull;
+            gradient[w] -= pull;
+        }
+        project(gradient);
+        return sum;
+    }
+
+    /// The part of a field along which the points may move.
+    void project(Field &field) const {
+        for (std::size_t i = 0; i < field.size(); ++i)
+            switch (cloud_.role[i]) {
+            case Stratum::interior:
+                break;
+            case Stratum::patch:
+                field[i] -= dot(field[i], direction_[i]) * direction_[i];
+                break;
+            case Stratum::crease:
+                field[i] = dot(field[i], direction_[i]) * direction_[i];
+                break;
+            case Stratum::corner:
+                field[i] = {};
+                break;
+            }
+    }
+
+    std::size_t evaluations() const { return evaluations_; }
+
+  private:
+    void load(const Field &points, std::size_t first, TetLanes &lanes) const {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const auto &tet = tets_[std::min(first + lane, tets_.size() - 1)];
+            for (int k = 0; k < 4; ++k)
+                lanes.set(static_cast<int>(lane), k, points[tet[k]]);
+        }
+    }
+
+    const Cloud &cloud_;
+    const std::vector<Vec3> &direction_;
+    const EnergyForm &form_;
+    const EdgeForm &edge_form_;
+    std::vector<std::array<int, 2>> edges_;
+    std::vector<std::array<int, 4>> tets_;
+    std::vector<double> floors_;
+    std::size_t evaluations_ = 0;
+    ShapeLanes shape_;
+    SlopeLanes slopes_;
+    GradientLanes gradient_;
+};
+
+/// Shorten every point's step to `reach` sizes.
+void clip(Field &step, const Cloud &cloud, double reach) {
+    for (std::size_t i = 0; i < step.size(); ++i) {
+        const double far = norm(step[i]);
+        const double most = reach * cloud.size[i];
+        if (far > most)
+            step[i] = (most / far) * step[i];
+    }
+}
+
+struct Pair {
+    Field step;
+    Field change;
+    double scale;
+};
+
+/// The two-loop recursion (Nocedal and Wright, "Numerical Optimization", algorithm 7.4).
+Field direction_of(const Field &gradient, const std::deque<Pair> &pairs) {
+    Field q = gradient;
+    std::vector<double> alpha(pairs.size());
+    for (std::size_t k = pairs.size(); k-- > 0;) {
+        alpha[k] = pairs[k].scale * product(pairs[k].step, q);
+        add(q, -alpha[k], pairs[k].change);
+    }
+    const Pair &last = pairs.back();
+    const double gamma = 1.0 / (last.scale * product(last.change, last.change));
+    for (Vec3 &v : q)
+        v = gamma * v;
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+        add(q, alpha[k] - pairs[k].scale * product(pairs[k].change, q), pairs[k].step);
+    for (Vec3 &v : q)
+        v = -1.0 * v;
+    return q;
+}
+
+/// Against the gradient. The few steepest points, which sit in nearly flat tets, do not set the scale for the rest.
+Field steepest(const Field &gradient, const Cloud &cloud, double reach) {
+    std::vector<double> slopes(gradient.size());
+    for (std::size_t i = 0; i < gradient.size(); ++i)
+        slopes[i] = norm(gradient[i]) / cloud.size[i];
+    const auto at = slopes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(slopes.size()));
+    std::nth_element(slopes.begin(), at, slopes.end());
+    const double scale = *at > 0.0 ? *at : *std::max_element(slopes.begin(), slopes.end());
+    Field step = gradient;
+    for (Vec3 &v : step)
+        v = (scale > 0.0 ? -0.3 * reach / scale : 0.0) * v;
+    clip(step, cloud, 0.3 * reach);
+    return step;
+}
+
+} // namespace
+
+Tally count_bad(const Cloud &cloud, const Complex &complex, bool cosines) {
+    Tally tally;
+    TetLanes lanes;
+    WorstLanes worst;
+    int filled = 0;
+    const auto flush = [&] {
+        if (!filled)
+            return;
+        measure_worst(lanes, cosines, worst);
+        for (int l = 0; l < filled; ++l) {
+            tally.bad += !(worst.height[l] > 0.0 && (!cosines || worst.cosine[l] > 0.0));
+            tally.worst_height = std::min(tally.worst_height, worst.height[l]);
+        }
+        filled = 0;
+    };
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        ++tally.tets;
+        for (int k = 0; k < 4; ++k)
+            lanes.set(filled, k, cloud.points[complex.all.tets[t][k]]);
+        if (filled == 0) // spare lanes must hold something harmless
+            for (int l = 1; l < kLanes; ++l)
+                for (int k = 0; k < 4; ++k)
+                    lanes.set(l, k, cloud.points[complex.all.tets[t][k]]);
+        if (++filled == kLanes)
+            flush();
+    }
+    flush();
+    return tally;
+}
+
+std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
+                    const EdgeForm &edges, const std::vector<char> &curved, int iterations, double reach) {
+    constexpr std::size_t kMemory = 8;
+    constexpr int kHalvings = 15;
+    Objective objective(cloud, complex, direction, form, edges, curved);
+    Field points = cloud.points;
+    Field gradient;
+    Field next;
+    Field slope;
+    std::vector<int> blocked;
+    double energy = objective(points, gradient, blocked);
+    std::deque<Pair> pairs;
+    int failures = 0;
+    for (int round = 0; round < iterations && energy < std::numeric_limits<double>::infinity(); ++round) {
+        Field step = pairs.empty() ? steepest(gradient, cloud, reach) : direction_of(gradient, pairs);
+        objective.project(step);
+        clip(step, cloud, reach);
+        double descent = product(gradient, step);
+        if (descent >= 0.0) {
+            pairs.clear();
+            step = steepest(gradient, cloud, reach);
+            descent = product(gradient, step);
+            if (descent >= 0.0)
+                break;
+        }
+        double length = 1.0;
+        double lower = 0.0;
+        bool found = false;
+        for (int k = 0; k < kHalvings && !found; ++k) {
+            next = points;
+            add(next, length, step);
+            lower = objective(next, slope, blocked);
+            found = blocked.empty() && lower <= energy + 1e-4 * length * descent;
+            if (found)
+                continue;
+            if (blocked.empty()) {
+                length *= 0.5;
+                continue;
+            }
+            // A few tets are in the way: their corners hold back, the rest of the mesh goes on.
+            std::sort(blocked.begin(), blocked.end());
+            blocked.erase(std::unique(blocked.begin(), blocked.end()), blocked.end());
+            for (const int v : blocked)
+                step[v] = 0.25 * step[v];
+            descent = product(gradient, step);
+            if (descent >= 0.0)
+                break;
+        }
+        if (!found) {
+            if (pairs.empty() || ++failures > 2)
+                break;
+            pairs.clear();
+            continue;
+        }
+        Pair pair{next, slope, 0.0};
+        add(pair.step, -1.0, points);
+        add(pair.change, -1.0, gradient);
+        const double curve = product(pair.step, pair.change);
+        if (curve > 1e-12 * std::sqrt(product(pair.step, pair.step) * product(pair.change, pair.change))) {
+            pair.scale = 1.0 / curve;
+            pairs.push_back(std::move(pair));
+            if (pairs.size() > kMemory)
+                pairs.pop_front();
+        }
+        const bool done = energy - lower < 1e-9 * energy;
+        points = next;
+        gradient = slope;
+        energy = lower;
+        if (done)
+            break;
+    }
+    cloud.points = std::move(points);
+    return objective.evaluations();
+}
+
+} // namespace wct

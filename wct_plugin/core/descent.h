@@ -1,0 +1,31 @@
+#pragma once
+
+#include "cloud.h"
+#include "energy.h"
+#include "restricted.h"
+
+#include <vector>
+
+namespace wct {
+
+/// How many tets miss well-centeredness, and how badly.
+struct Tally {
+    std::size_t tets = 0;
+    std::size_t bad = 0;
+    double worst_height = 1.0;
+};
+Tally count_bad(const Cloud &cloud, const Complex &complex, bool cosines);
+
+/// A penalty on surface edges that are too long for the tolerance: weight * sum max(0, length / reach - 1)^2.
+struct EdgeForm {
+    double limit = 1.2; // in target sizes
+    double weight = 2.0;
+};
+
+/// Lower the energy of all tets at once by L-BFGS, keeping the connectivity. Patch points move in the plane across
+/// `direction`, crease points along it, corners not at all; `curved` marks the points of curved patches and creases; no
+/// step is longer than `reach` times a point's size. Returns the number of tet evaluations.
+std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
+                    const EdgeForm &edges, const std::vector<char> &curved, int iterations, double reach);
+
+} // namespace wct

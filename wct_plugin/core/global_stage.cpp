@@ -1,0 +1,190 @@
+#include "global_stage.h"
+
+#include "relax.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace wct {
+
+namespace {
+
+/// Where vertices sit over curved patches and creases: outside of the bend, so that chords run on both sides of it.
+void set_offsets(Reference &reference, const Sizing &sizing, const GlobalForm &form,
+                 const std::vector<double> &correction) {
+    const double most = form.shell * form.sizing.tolerance;
+    for (int w = 0; w < reference.wedges(); ++w) {
+        const auto &k = reference.curvature(w);
+        const double size = sizing.surface[reference.wedge_vertex(w)];
+        // (k1 + k2) size^2 / 16 is the mean sag of an equilateral facet, and keeps the volume; half of what an
+        // irregular one may sag centers it in the tolerance.
+        const double mean = k[0] + k[1];
+        const double deep = unit_sag(k[0], k[1]) * 8.0;
+        const double middle = 1.4 * (k[0] * k[1] > 0.0 ? (k[0] > 0.0 ? deep : -deep) : mean);
+        const double half = 0.5 * (mean + middle);
+        const double offset = form.offset * half * size * size / 16.0 + correction[reference.wedge_vertex(w)];
+        reference.offset[w] = std::clamp(offset, -most, most);
+    }
+    for (Curve &curve : reference.curves()) {
+        for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
+            const double size = sizing.surface[curve.vertices[k]];
+            const Vec3 shift = (-1.33 * form.offset * size * size / 16.0) * curve.bend[k];
+            const double far = norm(shift);
+            curve.shift[k] = far > most ? (most / far) * shift : shift;
+        }
+        if (!curve.closed && !curve.vertices.empty())
+            curve.shift.front() = curve.shift.back() = {}; // corners stay
+    }
+    reference.rebuild_curves();
+}
+
+/// Shift offsets and shrink sizes where the measured deviation asks for it. They grow again, up to where they were at
+/// the start, where they were shrunk too much.
+void learn(const Deviation &deviation, Sizing &sizing, std::vector<double> &correction,
+           const std::vector<double> &ceiling, const GlobalForm &form) {
+    const double tolerance = form.sizing.tolerance;
+    for (std::size_t v = 0; v < correction.size(); ++v) {
+        const double up = deviation.above[v];
+        const double down = deviation.below[v];
+        // Offsets keep the volume as they are; only what leaves the tolerance is a reason to shift them.
+        const double excess = std::max(0.0, std::max(up, -down) - form.target * tolerance);
+        correction[v] += std::clamp(-0.5 * (up + down), -excess, excess);
+        const double half = std::max(0.5 * (up - down), 0.75 * std::max({up, -down, deviation.missed[v]}));
+        const double change = half > 0.0 ? std::sqrt(form.target * tolerance / half) : 2.0;
+        sizing.surface[v] = std::min(sizing.surface[v] * std::clamp(change, 0.6, 1.08), ceiling[v]);
+    }
+    sizing.grade();
+}
+
+/// Every boundary point on its stratum, no two at one place.
+void settle(Cloud &cloud, const Reference &reference, std::vector<Vec3> &direction) {
+    do
+        retract(cloud, reference, &direction);
+    while (drop_twins(cloud));
+}
+
+/// Points whose surface edges cut across a bend.
+std::vector<char> curved_points(const Cloud &cloud, const Reference &reference) {
+    std::vector<char> curved(cloud.count(), 0);
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        for (const int patch : patches_of(cloud, reference, static_cast<int>(i)))
+            curved[i] = curved[i] || !reference.planar(patch);
+    return curved;
+}
+
+bool has_curved_patches(const Reference &reference) {
+    for (int p = 0; p < reference.patches(); ++p)
+        if (!reference.planar(p))
+            return true;
+    return false;
+}
+
+void refresh_sizes(Cloud &cloud, const Sizing &sizing) {
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        cloud.size[i] = sizing.at(cloud.points[i]);
+}
+
+/// Interior points that lie open on the surface become surface points.
+bool promote(Cloud &cloud, const Reference &reference, const Flaws &flaws) {
+    for (const int v : flaws.exposed) {
+        const Foot foot = reference.nearest(cloud.points[v]);
+        cloud.role[v] = Stratum::patch;
+        cloud.label[v] = reference.data().patch[foot.triangle];
+    }
+    return !flaws.exposed.empty();
+}
+
+} // namespace
+
+GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
+                      const GlobalForm &form, Monitor &monitor) {
+    using Clock = std::chrono::steady_clock;
+    auto last = Clock::now();
+    GlobalResult result;
+    const auto lap = [&](const std::string &name) {
+        const auto now = Clock::now();
+        result.stats.emplace_back("seconds_" + name, std::chrono::duration<double>(now - last).count());
+        last = now;
+    };
+    const RegionMap map(mesh, reference);
+    lap("map");
+    Sizing sizing(reference, mesh, map, form.sizing, wanted);
+    lap("sizing");
+    std::vector<double> correction(reference.data().points.size(), 0.0);
+    const std::vector<double> ceiling = sizing.surface;
+    Random random(form.seed);
+    const bool curved = has_curved_patches(reference);
+    const auto start = [&](int sweeps) {
+        set_offsets(reference, sizing, form, correction);
+        Cloud cloud = make_seeds(reference, map, sizing, form.seeds, random);
+        for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
+            drop_twins(cloud);
+            Complex complex = restricted_delaunay(cloud, reference, map);
+            if (sweep >= form.mend_from && sweep % 4 == 0 && sweep + 4 < form.sweeps)
+                if (mend(cloud, reference, complex, form.longest, form.shortest) > 0) {
+                    drop_twins(cloud);
+                    complex = restricted_delaunay(cloud, reference, map);
+                }
+            relax(cloud, reference, complex, form.step);
+            if (sweep % 8 == 7)
+                refresh_sizes(cloud, sizing);
+            monitor.work(complex.all.tets.size(), 0.0);
+        }
+        return cloud;
+    };
+    for (int trial = 0; curved && trial < form.trials && !monitor.stopped(); ++trial) {
+        Cloud cloud = start(form.trial_sweeps);
+        drop_twins(cloud);
+        const Complex complex = restricted_delaunay(cloud, reference, map);
+        learn(measure_deviation(cloud, complex, reference), sizing, correction, ceiling, form);
+    }
+    lap("trials");
+    Cloud cloud = start(form.sweeps);
+    Complex complex;
+    lap("relax");
+    std::vector<Vec3> direction;
+    bool first = true;
+    int since = 0;
+    for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
+        settle(cloud, reference, direction);
+        complex = restricted_delaunay(cloud, reference, map);
+        Flaws flaws = find_flaws(cloud, complex);
+        for (int pass = 0; pass < 4; ++pass) {
+            const bool promoted = promote(cloud, reference, flaws);
+            if (recover_creases(cloud, reference, complex) == 0 && !promoted)
+                break;
+            settle(cloud, reference, direction);
+            complex = restricted_delaunay(cloud, reference, map);
+            flaws = find_flaws(cloud, complex);
+        }
+        const Tally tally = count_bad(cloud, complex, form.cosines);
+        const bool sound = flaws.none();
+        if (first || std::pair(!sound, tally.bad) < std::pair(!result.flaws.none(), result.tally.bad)) {
+            result.cloud = cloud;
+            result.complex = complex;
+            result.flaws = flaws;
+            result.tally = tally;
+            first = false;
+            since = 0;
+        } else if (++since > 5) {
+            break;
+        }
+        if (round == form.rounds || tally.bad == 0)
+            break;
+        monitor.set_bad(static_cast<std::int64_t>(result.tally.bad));
+        EnergyForm energy = form.energy;
+        if (!form.cosines)
+            energy.weight2 = 0.0;
+        const std::size_t evaluations = descend(cloud, complex, direction, energy, form.edge,
+                                                curved_points(cloud, reference), form.iterations, form.reach);
+        monitor.work(evaluations, static_cast<double>(round) / form.rounds);
+    }
+    lap("descent");
+    result.deviation = measure_deviation(result.cloud, result.complex, reference);
+    lap("deviation");
+    result.stopped = monitor.stopped();
+    return result;
+}
+
+} // namespace wct

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "cloud.h"
+#include "descent.h"
+#include "deviation.h"
+#include "energy.h"
+#include "monitor.h"
+#include "reference.h"
+#include "region_map.h"
+#include "restricted.h"
+#include "seeds.h"
+#include "sizing.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wct {
+
+struct GlobalForm {
+    SizingForm sizing;
+    SeedForm seeds;
+    double offset = 1.05; // of vertices over a bend, relative to what regular facets would need
+    double shell = 0.95;  // no offset beyond this share of the tolerance
+    int sweeps = 25;      // of relaxation
+    double step = 0.7;
+    int mend_from = 4;     // sweep after which holes are filled and crowds thinned
+    double longest = 1.38; // surface edge, in sizes
+    double shortest = 0.62;
+    int rounds = 20;     // of descent
+    int iterations = 15; // of L-BFGS per round
+    double reach = 0.1;  // longest step of a point, in sizes
+    int trials = 1;      // of the deviation, before the real run
+    int trial_sweeps = 8;
+    double target = 0.85; // of the tolerance, for the mean facet
+    bool cosines = true;
+    EdgeForm edge;
+    std::uint64_t seed = 1;
+    EnergyForm energy{0.12, 2.5, 0.08, 2.5, 1.0, 0.003};
+};
+
+struct GlobalResult {
+    Cloud cloud;
+    Complex complex;
+    Flaws flaws;
+    Tally tally;
+    Deviation deviation;
+    bool stopped = false;
+    std::vector<std::pair<std::string, double>> stats;
+};
+
+/// Resample the domain: see make_seeds, relax and descend. The reference's offsets are set on the way.
+GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
+                      const GlobalForm &form, Monitor &monitor);
+
+} // namespace wct

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "search_energy.h"
+#include "surface_guide.h"
+#include "tet_complex.h"
+
+#include <optional>
+#include <vector>
+
+namespace wct {
+
+/// The tets round edge ab in order: (a, b, link[k], link[k+1]) is positive. `closed`: the last meets the first.
+struct Ring {
+    std::vector<int> link;
+    std::vector<int> tets;
+    bool closed = true;
+};
+
+/// Changes of connectivity. Each is refused (false, nothing changed) if it would leave a flat or inverted tet, a surface
+/// facet off its patch by more than the tolerance, a crease off its curve, a pinched surface, or raise the energy by
+/// `slack` or more. Surface facets keep their patch, crease edges their curve, tets their region, on hull and
+/// interfaces alike. Changes are journaled; vertices whose star changed are added to `touched`.
+class Operators {
+  public:
+    Operators(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide)
+        : complex_(complex), energy_(energy), guide_(guide) {}
+
+    /// Swap edge ab for the best triangulation of its link (Klincsek's dynamic program): 3-2, 4-4, 5-6, ...; on the
+    /// surface the edge of two facets is flipped with it (2-2 there).
+    bool remove_edge(int a, int b, double slack);
+    /// Swap the facet of t opposite corner i for the edge between the two apices.
+    bool flip_23(int t, int i, double slack);
+    /// Move a onto b: a vanishes. A surface vertex only along the surface, a crease vertex along its crease.
+    bool collapse(int a, int b, double slack);
+    /// Halve ab by a new vertex; returns it. On failure after the vertex exists the caller's rollback removes it.
+    std::optional<int> split(int a, int b, double slack);
+    /// A new vertex at x in the cavity of tets round t0 whose circumspheres contain x; never across a surface facet.
+    std::optional<int> insert(int t0, const Vec3 &x, double slack);
+
+    bool ring(int a, int b, Ring &ring) const;
+    /// Surface facets at v, each once, and their patches.
+    void surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const;
+
+    std::vector<int> touched;
+    void touch(int v);
+
+    /// Whether surface edges may be flipped, and split.
+    bool flip_surface = true;
+    bool split_surface = true;
+    /// New edges stay within these multiples of the wanted size.
+    double shortest = 0.35;
+    double longest = 2.2;
+
+  private:
+    struct Fan {
+        std::vector<int> polygon;
+        std::vector<int> tets;
+        bool surface = false; // its closing edge becomes a surface edge
+        std::vector<double> cost;
+        std::vector<int> choice;
+    };
+    bool plan(Fan &fan, int a, int b);
+    void carry_out(const Fan &fan, int a, int b);
+    bool flips_surface(int a, int b, int r, int s, int patch) const;
+    bool collapse_links(int a, int b, const Ring &ring) const;
+
+    TetComplex &complex_;
+    const SearchEnergy &energy_;
+    const SurfaceGuide &guide_;
+    Fan fans_[2];
+    Ring ring_;
+    std::vector<Tet> candidates_;
+    std::vector<double> energies_;
+    std::vector<int> regions_;
+};
+
+} // namespace wct

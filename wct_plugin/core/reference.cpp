@@ -1,0 +1,297 @@
+#include "reference.h"
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace wct {
+
+namespace {
+
+/// Farther from a common plane (line) than this share of the diagonal, a patch (curve) counts as curved. Single
+/// precision files put the vertices of a plane some 1e-7 off it.
+constexpr double kFlat = 5e-7;
+
+Box box_of(const SurfaceData &data, int triangle) {
+    Box box;
+    for (const int v : data.triangles[triangle])
+        box.add(data.points[v]);
+    return box;
+}
+
+} // namespace
+
+Vec3 across(const Vec3 &n) {
+    const Vec3 axis = std::fabs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::fabs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+    return unit(cross(n, axis));
+}
+
+Reference::Reference(SurfaceData data) : data_(std::move(data)) {
+    Box all;
+    std::vector<Box> boxes;
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
+        boxes.push_back(box_of(data_, static_cast<int>(t)));
+        all.add(boxes.back());
+    }
+    diagonal_ = norm(all.hi - all.lo);
+    tree_ = BoxTree(boxes);
+    patch_trees_.resize(data_.sides.size());
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t)
+        patch_trees_[data_.patch[t]].triangles.push_back(static_cast<int>(t));
+    for (auto &part : patch_trees_) {
+        std::vector<Box> own;
+        for (const int t : part.triangles)
+            own.push_back(boxes[t]);
+        part.tree = BoxTree(own);
+    }
+    make_wedges();
+    make_normals();
+    find_planes();
+    make_curvatures();
+    make_curves();
+    offset.assign(wedge_vertex_.size(), 0.0);
+}
+
+void Reference::make_wedges() {
+    std::map<std::pair<int, int>, int> known;
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
+        std::array<int, 3> own;
+        for (int k = 0; k < 3; ++k) {
+            const int v = data_.triangles[t][k];
+            const auto [at, fresh] = known.try_emplace({v, data_.patch[t]}, static_cast<int>(wedge_vertex_.size()));
+            if (fresh)
+                wedge_vertex_.push_back(v);
+            own[k] = at->second;
+        }
+        wedges_.push_back(own);
+    }
+}
+
+void Reference::make_normals() {
+    const auto &points = data_.points;
+    const auto &triangles = data_.triangles;
+    wedge_normal_.assign(wedge_vertex_.size(), {});
+    vertex_normal_.assign(points.size(), {});
+    std::map<std::pair<int, int>, std::pair<Vec3, int>> edges;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const auto &[a, b, c] = triangles[t];
+        const Vec3 n = cross(points[b] - points[a], points[c] - points[a]);
+        areas_.push_back(0.5 * norm(n));
+        normals_.push_back(unit(n));
+        for (int k = 0; k < 3; ++k) {
+            const int v = triangles[t][k];
+            const int w = triangles[t][(k + 1) % 3];
+            const Vec3 p = points[w] - points[v];
+            const Vec3 q = points[triangles[t][(k + 2) % 3]] - points[v];
+            const double pq = dot(p, p) * dot(q, q);
+            if (pq > 0.0) {
+                // Max's weights: the normal is exact where all vertices around lie on a sphere.
+                wedge_normal_[wedges_[t][k]] += (norm(cross(p, q)) / pq) * normals_.back();
+                const double angle = std::atan2(norm(cross(p, q)), dot(p, q));
+                vertex_normal_[v] += angle * normals_.back();
+            }
+            auto &edge = edges[{std::min(v, w), std::max(v, w)}];
+            edge.first += normals_.back();
+            ++edge.second;
+        }
+    }
+    for (auto &n : wedge_normal_)
+        n = unit(n);
+    edge_normal_.resize(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const int v = triangles[t][(k + 1) % 3];
+            const int w = triangles[t][(k + 2) % 3];
+            const auto &edge = edges[{std::min(v, w), std::max(v, w)}];
+            edge_normal_[t][k] = edge.second == 2 ? edge.first : normals_[t];
+        }
+}
+
+void Reference::find_planes() {
+    planar_.assign(patch_trees_.size(), 0);
+    plane_normal_.resize(patch_trees_.size());
+    plane_point_.resize(patch_trees_.size());
+    for (std::size_t p = 0; p < patch_trees_.size(); ++p) {
+        Vec3 normal;
+        Vec3 center;
+        double area = 0.0;
+        for (const int t : patch_trees_[p].triangles) {
+            normal += areas_[t] * normals_[t];
+            area += areas_[t];
+            for (const int v : data_.triangles[t])
+                center += (areas_[t] / 3.0) * data_.points[v];
+        }
+        if (!(area > 0.0))
+            continue;
+        plane_normal_[p] = unit(normal);
+        plane_point_[p] = (1.0 / area) * center;
+        bool flat = true;
+        for (const int t : patch_trees_[p].triangles) {
+            flat = flat && (areas_[t] == 0.0 || dot(normals_[t], plane_normal_[p]) > 0.9);
+            for (const int v : data_.triangles[t])
+                flat = flat && std::fabs(dot(data_.points[v] - plane_point_[p], plane_normal_[p])) < kFlat * diagonal_;
+        }
+        planar_[p] = flat;
+    }
+}
+
+void Reference::make_curvatures() {
+    // The shape operator at a wedge, as the least-squares solution of dN = S dX over the edges around it.
+    const std::size_t count = wedge_vertex_.size();
+    struct Sums {
+        double xx = 0.0, xy = 0.0, yy = 0.0, xa = 0.0, ya = 0.0, xb = 0.0, yb = 0.0;
+    };
+    std::vector<Sums> sums(count);
+    std::vector<Vec3> first(count);
+    for (std::size_t w = 0; w < count; ++w)
+        first[w] = across(wedge_normal_[w]);
+    std::vector<std::pair<int, int>> edges;
+    for (std::size_t t = 0; t < wedges_.size(); ++t)
+        if (!planar_[data_.patch[t]])
+            for (int k = 0; k < 3; ++k) {
+                edges.emplace_back(wedges_[t][k], wedges_[t][(k + 1) % 3]);
+                edges.emplace_back(wedges_[t][(k + 1) % 3], wedges_[t][k]);
+            }
+    for (const auto &[v, w] : edges) {
+        const Vec3 d = data_.points[wedge_vertex_[w]] - data_.points[wedge_vertex_[v]];
+        const Vec3 dn = wedge_normal_[w] - wedge_normal_[v];
+        const Vec3 second = cross(wedge_normal_[v], first[v]);
+        const double x = dot(d, first[v]);
+        const double y = dot(d, second);
+        const double a = dot(dn, first[v]);
+        const double b = dot(dn, second);
+        Sums &s = sums[v];
+        s.xx += x * x;
+        s.xy += x * y;
+        s.yy += y * y;
+        s.xa += x * a;
+        s.ya += y * a;
+        s.xb += x * b;
+        s.yb += y * b;
+    }
+    curvatures_.assign(count, {0.0, 0.0});
+    for (std::size_t w = 0; w < count; ++w) {
+        const Sums &s = sums[w];
+        const double trace = s.xx + s.yy;
+        if (!(trace > 0.0))
+            continue;
+        // Unknowns A, B, C of S = [[A, B], [B, C]]: normal equations of a = A x + B y, b = B x + C y.
+        const double ridge = 1e-9 * trace;
+        const double p = s.xx + ridge;
+        const double q = s.xx + s.yy + ridge;
+        const double r = s.yy + ridge;
+        const double rhs = s.ya + s.xb;
+        // Eliminate A = (xa - xy B) / p and C = (yb - xy B) / r.
+        const double b = (rhs - s.xy * s.xa / p - s.xy * s.yb / r) / (q - s.xy * s.xy / p - s.xy * s.xy / r + ridge);
+        const double a = (s.xa - s.xy * b) / p;
+        const double c = (s.yb - s.xy * b) / r;
+        const double mean = 0.5 * (a + c);
+        const double spread = std::hypot(0.5 * (a - c), b);
+        curvatures_[w] = {mean + spread, mean - spread};
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+        auto sum = curvatures_;
+        std::vector<double> weight(count, 1.0);
+        for (const auto &[v, w] : edges) {
+            sum[v][0] += curvatures_[w][0];
+            sum[v][1] += curvatures_[w][1];
+            weight[v] += 1.0;
+        }
+        for (std::size_t w = 0; w < count; ++w)
+            curvatures_[w] = {sum[w][0] / weight[w], sum[w][1] / weight[w]};
+    }
+    for (auto &k : curvatures_)
+        if (std::fabs(k[1]) > std::fabs(k[0]))
+            std::swap(k[0], k[1]);
+}
+
+Foot Reference::nearest(const Vec3 &p, int patch) const {
+    Foot foot;
+    const PatchTree *part = patch < 0 ? nullptr : &patch_trees_[patch];
+    const BoxTree &tree = part ? part->tree : tree_;
+    const double square = tree.minimise(
+        std::numeric_limits<double>::infinity(), [&](std::size_t node) { return tree.box(node).square(p); },
+        [&](std::size_t item, double best) {
+            const int t = part ? part->triangles[item] : static_cast<int>(item);
+            const auto &[a, b, c] = data_.triangles[t];
+            const TrianglePoint at = nearest_on_triangle(p, data_.points[a], data_.points[b], data_.points[c]);
+            if (at.square < best) {
+                foot.point = at.point;
+                foot.triangle = t;
+                std::copy(at.weight, at.weight + 3, foot.weight);
+            }
+            return at.square;
+        });
+    foot.distance = std::sqrt(square);
+    return foot;
+}
+
+double Reference::ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const {
+    const Vec3 inverse{1.0 / direction.x, 1.0 / direction.y, 1.0 / direction.z};
+    double best = std::numeric_limits<double>::infinity();
+    triangle = -1;
+    tree_.visit([&](const Box &box) { return ray_box(p, inverse, best, box); },
+                [&](std::size_t t) {
+                    const auto &[a, b, c] = data_.triangles[t];
+                    const double at =
+                        ray_triangle(p, direction, least, data_.points[a], data_.points[b], data_.points[c]);
+                    if (at < best) {
+                        best = at;
+                        triangle = static_cast<int>(t);
+                    }
+                    return false;
+                });
+    return best;
+}
+
+Vec3 Reference::smooth_normal(const Foot &foot) const {
+    const int patch = data_.patch[foot.triangle];
+    if (planar_[patch])
+        return plane_normal_[patch];
+    Vec3 n;
+    for (int k = 0; k < 3; ++k)
+        n += foot.weight[k] * wedge_normal_[wedges_[foot.triangle][k]];
+    return dot(n, n) > 0.0 ? unit(n) : normals_[foot.triangle];
+}
+
+double Reference::height(const Vec3 &p, const Foot &foot) const {
+    // At an edge or vertex the sign comes from the pseudonormal (Baerentzen and Aanaes, "Signed Distance Computation
+    // Using the Angle Weighted Pseudonormal").
+    constexpr double kTouch = 1e-9;
+    int zeros = 0;
+    int zero = 0;
+    int one = 0;
+    for (int k = 0; k < 3; ++k)
+        if (foot.weight[k] <= kTouch) {
+            ++zeros;
+            zero = k;
+        } else {
+            one = k;
+        }
+    const Vec3 &n = zeros == 0   ? normals_[foot.triangle]
+                    : zeros == 1 ? edge_normal_[foot.triangle][zero]
+                                 : vertex_normal_[data_.triangles[foot.triangle][one]];
+    return dot(p - foot.point, n) > 0.0 ? foot.distance : -foot.distance;
+}
+
+int Reference::region_beside(const Vec3 &p, const Foot &foot) const {
+    return data_.sides[data_.patch[foot.triangle]][height(p, foot) > 0.0 ? 1 : 0];
+}
+
+Vec3 Reference::to_patch(Vec3 &p, int patch) const {
+    const Foot foot = nearest(p, patch);
+    if (planar_[patch]) {
+        const Vec3 &n = plane_normal_[patch];
+        p = foot.point - dot(foot.point - plane_point_[patch], n) * n;
+        return n;
+    }
+    const Vec3 n = smooth_normal(foot);
+    double shift = 0.0;
+    for (int k = 0; k < 3; ++k)
+        shift += foot.weight[k] * offset[wedges_[foot.triangle][k]];
+    p = foot.point + shift * n;
+    return n;
+}
+
+} // namespace wct

@@ -1,0 +1,134 @@
+#include "region_map.h"
+
+#include <algorithm>
+#include <map>
+
+namespace wct {
+
+namespace {
+
+constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+double det(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
+    return dot(cross(b - a, c - a), d - a);
+}
+
+} // namespace
+
+RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(mesh), reference_(reference) {
+    std::vector<Box> boxes;
+    struct Half {
+        std::array<int, 3> key;
+        int tet;
+        int local;
+    };
+    std::vector<Half> halves;
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+        Box box;
+        for (const int v : mesh.tets[t])
+            box.add(mesh.points[v]);
+        boxes.push_back(box);
+        for (int i = 0; i < 4; ++i) {
+            Half half{{mesh.tets[t][kOutward[i][0]], mesh.tets[t][kOutward[i][1]], mesh.tets[t][kOutward[i][2]]},
+                      static_cast<int>(t),
+                      i};
+            std::sort(half.key.begin(), half.key.end());
+            halves.push_back(half);
+        }
+    }
+    tets_ = BoxTree(boxes);
+    std::sort(halves.begin(), halves.end(),
+              [](const Half &a, const Half &b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+    boxes.clear();
+    for (std::size_t k = 0; k < halves.size(); ++k) {
+        const bool paired = k + 1 < halves.size() && halves[k].key == halves[k + 1].key;
+        if (!paired || mesh.region[halves[k].tet] != mesh.region[halves[k + 1].tet]) {
+            const auto &tet = mesh.tets[halves[k].tet];
+            const int i = halves[k].local;
+            const Facet facet{{tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]}, halves[k].tet, i};
+            Box box;
+            Vec3 center;
+            double gap = 0.0;
+            for (const int v : facet.corner) {
+                box.add(mesh.points[v]);
+                center += (1.0 / 3.0) * mesh.points[v];
+                gap = std::max(gap, reference.nearest(mesh.points[v]).distance);
+            }
+            gap_.push_back(std::max(gap, reference.nearest(center).distance));
+            facets_.push_back(facet);
+            boxes.push_back(box);
+        }
+        if (paired)
+            ++k;
+    }
+    surface_ = BoxTree(boxes);
+}
+
+Place RegionMap::find(const Vec3 &p) const {
+    Place place;
+    tets_.visit([&](const Box &box) { return box.contains(p); },
+                [&](std::size_t t) {
+                    const auto &[a, b, c, d] = mesh_.tets[t];
+                    const Vec3 &pa = mesh_.points[a];
+                    const Vec3 &pb = mesh_.points[b];
+                    const Vec3 &pc = mesh_.points[c];
+                    const Vec3 &pd = mesh_.points[d];
+                    const double w[4] = {det(p, pb, pc, pd), det(pa, p, pc, pd), det(pa, pb, p, pd),
+                                         det(pa, pb, pc, p)};
+                    const double sum = w[0] + w[1] + w[2] + w[3];
+                    // A hair of slack, so that no point falls between two tets.
+                    if (std::min({w[0], w[1], w[2], w[3]}) < -1e-12 * sum)
+                        return false;
+                    place.tet = static_cast<int>(t);
+                    for (int k = 0; k < 4; ++k)
+                        place.weight[k] = w[k] / sum;
+                    return true;
+                });
+    return place;
+}
+
+Place RegionMap::find_or_nearest(const Vec3 &p) const {
+    Place place = find(p);
+    if (place.tet >= 0)
+        return place;
+    surface_.minimise(
+        std::numeric_limits<double>::infinity(), [&](std::size_t node) { return surface_.box(node).square(p); },
+        [&](std::size_t item, double best) {
+            const Facet &f = facets_[item];
+            const TrianglePoint at =
+                nearest_on_triangle(p, mesh_.points[f.corner[0]], mesh_.points[f.corner[1]], mesh_.points[f.corner[2]]);
+            if (at.square < best) {
+                place = {f.tet, {0.0, 0.0, 0.0, 0.0}};
+                for (int k = 0; k < 3; ++k)
+                    place.weight[kOutward[f.opposite][k]] = at.weight[k];
+            }
+            return at.square;
+        });
+    return place;
+}
+
+int RegionMap::region(const Vec3 &p) const {
+    const Place place = find(p);
+    const int by_tets = place.tet >= 0 ? mesh_.region[place.tet] : -1;
+    const Foot foot = reference_.nearest(p);
+    if (foot.triangle < 0)
+        return by_tets;
+    const int by_surface = reference_.region_beside(p, foot);
+    if (by_tets == by_surface)
+        return by_tets;
+    double gap = 0.0;
+    const double square = surface_.minimise(
+        std::numeric_limits<double>::infinity(), [&](std::size_t node) { return surface_.box(node).square(p); },
+        [&](std::size_t item, double best) {
+            const Facet &f = facets_[item];
+            const double far =
+                nearest_on_triangle(p, mesh_.points[f.corner[0]], mesh_.points[f.corner[1]], mesh_.points[f.corner[2]])
+                    .square;
+            if (far < best)
+                gap = gap_[item];
+            return far;
+        });
+    return square <= 4.0 * gap * gap ? by_surface : by_tets;
+}
+
+} // namespace wct

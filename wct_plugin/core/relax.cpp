@@ -1,0 +1,181 @@
+#include "relax.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
+
+namespace wct {
+
+namespace {
+
+/// A patch both points belong to, -1 if there is none or, for two crease points, more than one.
+int common_patch(const Cloud &cloud, const Reference &reference, int v, int w) {
+    const std::vector<int> a = patches_of(cloud, reference, v);
+    const std::vector<int> b = patches_of(cloud, reference, w);
+    std::vector<int> both;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+    return both.size() == 1 ? both.front() : -1;
+}
+
+struct Mean {
+    Vec3 sum;
+    double weight = 0.0;
+    void add(const Vec3 &p, double w) {
+        sum += w * p;
+        weight += w;
+    }
+};
+
+} // namespace
+
+double relax(Cloud &cloud, const Reference &reference, const Complex &complex, double step) {
+    const auto &points = cloud.points;
+    std::vector<Mean> inner(points.size());
+    std::vector<Mean> outer(points.size());
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        const auto &tet = complex.all.tets[t];
+        const Vec3 &p = points[tet[0]];
+        const Vec3 u = points[tet[1]] - p;
+        const Vec3 v = points[tet[2]] - p;
+        const Vec3 w = points[tet[3]] - p;
+        const double det = dot(cross(u, v), w);
+        const Vec3 middle = p + 0.25 * (u + v + w);
+        const double edge = (norm(u) + norm(v) + norm(w) + norm(v - u) + norm(w - v) + norm(u - w)) / 6.0;
+        // A circumcenter far outside its tet says little: it is drawn in to half an edge from the centroid.
+        Vec3 center = middle;
+        if (det > 1e-9 * edge * edge * edge) {
+            center = p + (0.5 / det) * (dot(u, u) * cross(v, w) + dot(v, v) * cross(w, u) + dot(w, w) * cross(u, v));
+            const Vec3 d = center - middle;
+            const double far = norm(d);
+            if (far > 0.5 * edge)
+                center = middle + (0.5 * edge / far) * d;
+        }
+        double size = 0.0;
+        for (const int k : tet)
+            size += 0.25 * cloud.size[k];
+        for (const int k : tet)
+            inner[k].add(center, std::fabs(det) / (size * size));
+        for (int i = 0; i < 4; ++i) {
+            if (!complex.on_surface(static_cast<int>(t), i))
+                continue;
+            const auto f = complex.facet(static_cast<int>(t), i);
+            const Vec3 n = cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]);
+            const double s = (cloud.size[f[0]] + cloud.size[f[1]] + cloud.size[f[2]]) / 3.0;
+            const Vec3 c = (1.0 / 3.0) * (points[f[0]] + points[f[1]] + points[f[2]]);
+            for (const int k : f)
+                outer[k].add(c, norm(n) / (s * s));
+        }
+    }
+    const std::vector<Vec3> before = points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Mean &mean = cloud.role[i] == Stratum::interior ? inner[i] : outer[i];
+        const bool free = cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch;
+        if (free && mean.weight > 0.0)
+            cloud.points[i] += step * ((1.0 / mean.weight) * mean.sum - cloud.points[i]);
+    }
+    retract(cloud, reference);
+    double most = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        most = std::max(most, norm(points[i] - before[i]) / cloud.size[i]);
+    return most;
+}
+
+int mend(Cloud &cloud, const Reference &reference, const Complex &complex, double longest, double shortest) {
+    std::vector<std::pair<double, std::array<int, 2>>> far;
+    std::vector<std::pair<double, std::array<int, 2>>> near;
+    for (const auto &edge : surface_edges(complex)) {
+        const auto &[v, w] = edge;
+        const double length = norm(cloud.points[v] - cloud.points[w]) / (0.5 * (cloud.size[v] + cloud.size[w]));
+        if (length > longest)
+            far.emplace_back(-length, edge);
+        else if (length < shortest && (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
+            near.emplace_back(length, edge);
+    }
+    int changes = 0;
+    std::vector<char> keep(cloud.count(), 1);
+    std::vector<char> touched(cloud.count(), 0);
+    std::sort(near.begin(), near.end());
+    for (const auto &[length, edge] : near) {
+        const auto &[v, w] = edge;
+        if (touched[v] || touched[w])
+            continue;
+        touched[v] = touched[w] = 1;
+        keep[cloud.role[w] == Stratum::patch ? w : v] = 0;
+        ++changes;
+    }
+    std::sort(far.begin(), far.end());
+    for (const auto &[length, edge] : far) {
+        const auto &[v, w] = edge;
+        const int patch = common_patch(cloud, reference, v, w);
+        if (touched[v] || touched[w] || patch < 0)
+            continue;
+        touched[v] = touched[w] = 1;
+        Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);
+        reference.to_patch(middle, patch);
+        cloud.add(middle, Stratum::patch, patch, 0.5 * (cloud.size[v] + cloud.size[w]));
+        keep.push_back(1);
+        ++changes;
+    }
+    cloud.keep(keep);
+    return changes;
+}
+
+int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex) {
+    struct Stop {
+        double at; // along the curve, in steps of its chain
+        int point;
+    };
+    std::vector<std::vector<Stop>> stops(reference.curves().size());
+    std::map<int, int> corner; // vertex of the reference -> point
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+        if (cloud.role[i] == Stratum::corner)
+            corner[cloud.label[i]] = static_cast<int>(i);
+        if (cloud.role[i] != Stratum::crease)
+            continue;
+        const CurveFoot foot = reference.nearest_on_curve(cloud.points[i], cloud.label[i], true);
+        stops[cloud.label[i]].push_back({foot.step + foot.along, static_cast<int>(i)});
+    }
+    const auto edges = surface_edges(complex);
+    int added = 0;
+    for (std::size_t c = 0; c < stops.size(); ++c) {
+        const Curve &curve = reference.curves()[c];
+        if (curve.vertices.size() < 2)
+            continue;
+        auto &chain = stops[c];
+        std::sort(chain.begin(), chain.end(), [](const Stop &a, const Stop &b) { return a.at < b.at; });
+        std::vector<int> order;
+        const auto end_point = [&](int vertex) {
+            const auto found = corner.find(vertex);
+            if (found != corner.end())
+                order.push_back(found->second);
+        };
+        if (!curve.closed)
+            end_point(curve.vertices.front());
+        for (const Stop &stop : chain)
+            order.push_back(stop.point);
+        if (curve.closed && !order.empty())
+            order.push_back(order.front());
+        else
+            end_point(curve.vertices.back());
+        for (std::size_t k = 0; k + 1 < order.size(); ++k) {
+            const std::array<int, 2> edge{std::min(order[k], order[k + 1]), std::max(order[k], order[k + 1])};
+            if (edge[0] == edge[1] || std::binary_search(edges.begin(), edges.end(), edge))
+                continue;
+            const Vec3 middle = 0.5 * (cloud.points[edge[0]] + cloud.points[edge[1]]);
+            const double size = 0.5 * (cloud.size[edge[0]] + cloud.size[edge[1]]);
+            if (norm(cloud.points[edge[0]] - cloud.points[edge[1]]) < 0.1 * size)
+                continue; // splitting again and again would not help
+            cloud.add(middle, Stratum::crease, static_cast<int>(c), size);
+            ++added;
+        }
+    }
+    if (added)
+        retract(cloud, reference);
+    return added;
+}
+
+} // namespace wct

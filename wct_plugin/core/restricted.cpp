@@ -1,0 +1,215 @@
+#include "restricted.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace wct {
+
+namespace {
+
+constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+constexpr double kFlat = 1e-5;  // altitude per mean edge of a tet that is nothing but rounding
+constexpr double kSliver = 0.3; // the same for a tet that rests on a curved patch
+
+/// Smallest altitude per mean edge.
+double flatness(const std::vector<Vec3> &points, const std::array<int, 4> &tet) {
+    double mean = 0.0;
+    double area = 0.0;
+    for (const auto &f : kOutward) {
+        const Vec3 &a = points[tet[f[0]]];
+        area = std::max(area, norm(cross(points[tet[f[1]]] - a, points[tet[f[2]]] - a)));
+    }
+    for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j)
+            mean += norm(points[tet[j]] - points[tet[i]]) / 6.0;
+    const Vec3 &a = points[tet[0]];
+    const double det = dot(cross(points[tet[1]] - a, points[tet[2]] - a), points[tet[3]] - a);
+    // Four points on a line have no altitude worth the name: both det and area are rounding.
+    return area > 1e-9 * mean * mean ? det / (area * mean) : 0.0;
+}
+
+bool share_curved_patch(const Cloud &cloud, const Reference &reference, const std::array<int, 4> &tet) {
+    std::vector<int> common = patches_of(cloud, reference, tet[0]);
+    for (int k = 1; k < 4 && !common.empty(); ++k) {
+        const std::vector<int> other = patches_of(cloud, reference, tet[k]);
+        std::vector<int> both;
+        std::set_intersection(common.begin(), common.end(), other.begin(), other.end(), std::back_inserter(both));
+        common = std::move(both);
+    }
+    return std::any_of(common.begin(), common.end(), [&](int p) { return !reference.planar(p); });
+}
+
+/// Take slivers off curved patches from outside: each has two facets on the boundary, and the two others take over.
+void peel(const Cloud &cloud, const Reference &reference, Complex &complex, std::vector<int> candidates) {
+    bool again = true;
+    while (again) {
+        again = false;
+        for (int &t : candidates) {
+            if (t < 0)
+                continue;
+            int outside = 0;
+            for (int i = 0; i < 4; ++i)
+                outside += complex.beyond(t, i) < 0;
+            if (outside < 2)
+                continue;
+            if (flatness(cloud.points, complex.all.tets[t]) < kSliver &&
+                share_curved_patch(cloud, reference, complex.all.tets[t])) {
+                complex.region[t] = -1;
+                again = true;
+            }
+            t = -1;
+        }
+        if (!again)
+            break;
+        // Tets that were covered may lie open now.
+        std::erase(candidates, -1);
+    }
+}
+
+} // namespace
+
+std::array<int, 3> Complex::facet(int t, int i) const {
+    const auto &tet = all.tets[t];
+    return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
+}
+
+std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point) {
+    switch (cloud.role[point]) {
+    case Stratum::patch:
+        return {cloud.label[point]};
+    case Stratum::crease:
+        return reference.patches_at_curve(cloud.label[point]);
+    case Stratum::corner:
+        return reference.patches_at_vertex(cloud.label[point]);
+    case Stratum::interior:
+        break;
+    }
+    return {};
+}
+
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map) {
+    Complex complex{delaunay(cloud.points), {}};
+    complex.region.resize(complex.all.tets.size());
+    std::vector<int> resting;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        const auto &tet = complex.all.tets[t];
+        int on_surface = 0;
+        int inner = -1;
+        for (const int v : tet)
+            if (cloud.role[v] == Stratum::interior)
+                inner = v;
+            else
+                ++on_surface;
+        if (on_surface <= 1) {
+            complex.region[t] = cloud.label[inner];
+            continue;
+        }
+        if (on_surface == 4 && flatness(cloud.points, tet) < kFlat) {
+            complex.region[t] = -1;
+            continue;
+        }
+        Vec3 center;
+        for (const int v : tet)
+            center += 0.25 * cloud.points[v];
+        complex.region[t] = map.region(center);
+        if (on_surface == 4 && complex.region[t] >= 0)
+            resting.push_back(static_cast<int>(t));
+    }
+    peel(cloud, reference, complex, std::move(resting));
+    return complex;
+}
+
+std::vector<std::array<int, 2>> surface_edges(const Complex &complex) {
+    std::vector<std::array<int, 2>> edges;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+        for (int i = 0; i < 4; ++i) {
+            if (!complex.on_surface(static_cast<int>(t), i))
+                continue;
+            const auto f = complex.facet(static_cast<int>(t), i);
+            for (int k = 0; k < 3; ++k)
+                edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+        }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+}
+
+Flaws find_flaws(const Cloud &cloud, const Complex &complex) {
+    Flaws flaws;
+    // Per region and point, its surface triangles must form one fan. Union the triangles across edges used exactly
+    // twice.
+    struct Use {
+        int region;
+        int v, w;
+        int triangle;
+    };
+    std::vector<Use> uses;
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<int> owner;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        for (int i = 0; i < 4; ++i) {
+            if (complex.beyond(static_cast<int>(t), i) == complex.region[t])
+                continue;
+            const auto f = complex.facet(static_cast<int>(t), i);
+            for (int k = 0; k < 3; ++k) {
+                const int v = f[k];
+                const int w = f[(k + 1) % 3];
+                uses.push_back({complex.region[t], std::min(v, w), std::max(v, w), static_cast<int>(triangles.size())});
+                if (cloud.role[v] == Stratum::interior)
+                    flaws.exposed.push_back(v);
+            }
+            triangles.push_back(f);
+            owner.push_back(complex.region[t]);
+        }
+    }
+    std::sort(uses.begin(), uses.end(), [](const Use &a, const Use &b) {
+        return std::tie(a.region, a.v, a.w, a.triangle) < std::tie(b.region, b.v, b.w, b.triangle);
+    });
+    std::vector<int> root(3 * triangles.size());
+    for (std::size_t k = 0; k < root.size(); ++k)
+        root[k] = static_cast<int>(k);
+    const auto find = [&](int x) {
+        while (root[x] != x)
+            x = root[x] = root[root[x]];
+        return x;
+    };
+    const auto corner = [&](int triangle, int v) {
+        for (int k = 0; k < 3; ++k)
+            if (triangles[triangle][k] == v)
+                return 3 * triangle + k;
+        return -1;
+    };
+    for (std::size_t k = 0; k < uses.size();) {
+        std::size_t end = k + 1;
+        while (end < uses.size() && uses[end].region == uses[k].region && uses[end].v == uses[k].v &&
+               uses[end].w == uses[k].w)
+            ++end;
+        if (end - k != 2) {
+            flaws.pinched.push_back(uses[k].v);
+            flaws.pinched.push_back(uses[k].w);
+        } else {
+            for (const int v : {uses[k].v, uses[k].w})
+                root[find(corner(uses[k].triangle, v))] = find(corner(uses[k + 1].triangle, v));
+        }
+        k = end;
+    }
+    std::map<std::pair<int, int>, int> fan; // (region, point) -> the root of its first fan
+    for (std::size_t k = 0; k < root.size(); ++k) {
+        const int v = triangles[k / 3][k % 3];
+        const auto [at, fresh] = fan.try_emplace({owner[k / 3], v}, find(static_cast<int>(k)));
+        if (!fresh && at->second != find(static_cast<int>(k)))
+            flaws.pinched.push_back(v);
+    }
+    for (auto *list : {&flaws.exposed, &flaws.pinched}) {
+        std::sort(list->begin(), list->end());
+        list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    return flaws;
+}
+
+} // namespace wct

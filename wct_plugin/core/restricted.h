@@ -1,0 +1,49 @@
+#pragma once
+
+#include "cloud.h"
+#include "delaunay.h"
+#include "reference.h"
+#include "region_map.h"
+
+#include <array>
+#include <vector>
+
+namespace wct {
+
+/// The Delaunay tets of a cloud and the region each belongs to, -1 outside.
+struct Complex {
+    Triangulation all;
+    std::vector<int> region;
+
+    /// Corners of the facet of tet t opposite corner i, outward.
+    std::array<int, 3> facet(int t, int i) const;
+    /// Region across that facet.
+    int beyond(int t, int i) const {
+        const int n = all.neighbours[t][i];
+        return n < 0 ? -1 : region[n];
+    }
+    /// Is the facet on the boundary, or on an interface and the tet is on the smaller region's side?
+    bool on_surface(int t, int i) const {
+        const int other = beyond(t, i);
+        return region[t] >= 0 && (other < 0 || other > region[t]);
+    }
+};
+
+/// Delaunay, each tet labelled by where its centroid lies; flat tets on the boundary taken off.
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map);
+
+/// What is wrong with the surfaces of a complex.
+struct Flaws {
+    std::vector<int> exposed; // interior points on the surface
+    std::vector<int> pinched; // points where the surface of a region is no disk
+    bool none() const { return exposed.empty() && pinched.empty(); }
+};
+Flaws find_flaws(const Cloud &cloud, const Complex &complex);
+
+/// Edges of the boundary and the interfaces, each once, ends ascending.
+std::vector<std::array<int, 2>> surface_edges(const Complex &complex);
+
+/// The patches a point of the cloud belongs to, ascending.
+std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point);
+
+} // namespace wct

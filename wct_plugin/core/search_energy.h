@@ -1,0 +1,65 @@
+#pragma once
+
+#include "energy.h"
+#include "tet_complex.h"
+
+#include <span>
+#include <vector>
+
+namespace wct {
+
+/// What the search minimises: the smooth penalties, a term against needle-like angles (without it, edges clump when only
+/// h/R is penalised), and a count of the tets that miss the goal by less than `clearance`.
+struct SearchForm {
+    EnergyForm shape;
+    double needle_cosine = 0.9; // angles below 25.8 degrees
+    double needle_weight = 100.0;
+    double count = 0.05;
+    /// Exact right angles (cos about 1e-17) must not pass for acute.
+    double clearance = 2e-3;
+    /// For each tet below `hard_clearance`, where that differs: margins are not bought with tets that miss the goal.
+    double hard_count = 0.0;
+    double hard_clearance = 2e-3;
+    /// For each surface facet of the tet that is off its patch by more than the tolerance.
+    double off_weight = 0.5;
+};
+
+/// A vertex star in lanes, the vertex as corner 0 of every tet: only that corner changes while the vertex moves.
+struct StarLanes {
+    std::vector<TetLanes> lanes;
+    std::vector<TermLanes> terms;
+    int count = 0;
+};
+
+class SearchEnergy {
+  public:
+    explicit SearchEnergy(const SearchForm &form) : form_(form) {}
+
+    const SearchForm &form() const { return form_; }
+    void adopt(const SearchForm &form) { form_ = form; }
+    /// Energy at or above which a tet misses the goal: the count term is in it.
+    bool bad(double energy) const { return energy >= form_.count; }
+
+    /// Energies of tets on the complex's vertices; infinite where flat or inverted.
+    void of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const;
+    /// The same for a tet that exists already: finite however flat it is, as long as it is not inverted.
+    double of_present(const TetComplex &complex, const Tet &tet) const;
+
+    void gather(const TetComplex &complex, int v, StarLanes &star) const;
+    double off(const TetComplex &complex, const Tet &tet) const { return form_.off_weight * complex.off_facets(tet); }
+    /// Sum of the smooth part (no count) over the star with its vertex at x; gradient with respect to x.
+    double at(StarLanes &star, const Vec3 &x, Vec3 *gradient) const;
+    /// Energies (with count) of the star's tets with its vertex at x, in the order of the complex's star list.
+    void each(StarLanes &star, const Vec3 &x, double *energies) const;
+
+    /// Tet energies (and gradients) evaluated so far.
+    long evaluations() const { return evaluations_; }
+
+  private:
+    void evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient, bool count) const;
+
+    SearchForm form_;
+    mutable long evaluations_ = 0;
+};
+
+} // namespace wct

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "cloud.h"
+#include "random.h"
+#include "reference.h"
+#include "region_map.h"
+#include "sizing.h"
+
+namespace wct {
+
+struct SeedForm {
+    double patch_spacing = 0.78; // least distance of patch points, in edge lengths
+    double front_spacing = 0.8;  // the same where a patch is filled by a growing pattern; 0: no pattern
+    double level_ratio = 1.3;    // of the lattice's cells from one level to the next
+    double edge_per_cell = 1.1;  // boundary edge per lattice cell
+    double least_depth = 0.52;   // of lattice points, in cells
+    double level_gap = 0.72;     // between points of different levels, in mean cells
+    double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
+};
+
+/// Corners, evenly spaced points on curves, blue noise on patches, and inside a body-centered cubic lattice whose cell
+/// follows the size field in steps.
+Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
+                 Random &random);
+
+} // namespace wct

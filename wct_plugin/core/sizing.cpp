@@ -1,0 +1,234 @@
+#include "sizing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <utility>
+
+namespace wct {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Lower `size` until it grows no faster than `grade` along the edges.
+void limit_gradient(std::vector<double> &size, std::span<const Vec3> points,
+                    const std::vector<std::vector<int>> &around, double grade) {
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (std::size_t v = 0; v < size.size(); ++v)
+        queue.emplace(size[v], static_cast<int>(v));
+    while (!queue.empty()) {
+        const auto [value, v] = queue.top();
+        queue.pop();
+        if (value > size[v])
+            continue;
+        for (const int w : around[v]) {
+            const double limit = value + grade * norm(points[w] - points[v]);
+            if (limit < size[w]) {
+                size[w] = limit;
+                queue.emplace(limit, w);
+            }
+        }
+    }
+}
+
+template <std::size_t n>
+std::vector<std::vector<int>> neighbours(const std::vector<std::array<int, n>> &cells, std::size_t count) {
+    std::vector<std::vector<int>> around(count);
+    for (const auto &cell : cells)
+        for (const int v : cell)
+            for (const int w : cell)
+                if (v != w)
+                    around[v].push_back(w);
+    for (auto &list : around) {
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    return around;
+}
+
+} // namespace
+
+double unit_sag(double k1, double k2) {
+    const double a = std::fabs(k1);
+    const double b = std::fabs(k2);
+    return k1 * k2 > 0.0 ? std::max(a, b) / 8.0 + std::min(a, b) / 24.0 : (a + b) / 8.0;
+}
+
+Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
+               std::span<const double> wanted)
+    : reference_(reference), mesh_(mesh), map_(map), form_(form) {
+    make_input_sizes(wanted);
+    for (const Vec3 &p : reference.data().points)
+        limit_.push_back(form.coarsen * input_size(p));
+    limit_by_thickness();
+    surface = limit_;
+    limit_by_curvature();
+    std::vector<Box> boxes;
+    for (const auto &t : reference.data().triangles) {
+        Box box;
+        for (const int v : t)
+            box.add(reference.data().points[v]);
+        boxes.push_back(box);
+    }
+    tree_ = BoxTree(boxes);
+    grade();
+}
+
+void Sizing::make_input_sizes(std::span<const double> wanted) {
+    const std::size_t count = mesh_.points.size();
+    std::vector<double> volume(count, 0.0);
+    std::vector<double> tets(count, 0.0);
+    double all = 0.0;
+    for (const auto &[a, b, c, d] : mesh_.tets) {
+        const Vec3 &p = mesh_.points[a];
+        const double v = std::fabs(dot(cross(mesh_.points[b] - p, mesh_.points[c] - p), mesh_.points[d] - p)) / 6.0;
+        all += v;
+        for (const int at : {a, b, c, d}) {
+            volume[at] += v;
+            tets[at] += 1.0;
+        }
+    }
+    // n BCC tets of cell a fill n a^3 / 12.
+    const auto cell = [](double v, double n) { return std::cbrt(12.0 * v / n); };
+    input_.assign(count, 0.0);
+    if (!wanted.empty()) {
+        input_.assign(wanted.begin(), wanted.end());
+    } else {
+        for (std::size_t v = 0; v < count; ++v)
+            input_[v] = tets[v] > 0.0 ? cell(volume[v], tets[v]) / kCellPerEdge : kInfinity;
+    }
+    const auto around = neighbours(mesh_.tets, count);
+    const int passes = wanted.empty() ? 4 : 0;
+    for (int pass = 0; pass < passes; ++pass) { // a mesher's sizes scatter; the lattice wants them smooth
+        auto smooth = input_;
+        for (std::size_t v = 0; v < count; ++v) {
+            if (around[v].empty())
+                continue;
+            double sum = std::log(input_[v]);
+            for (const int w : around[v])
+                sum += std::log(input_[w]);
+            smooth[v] = std::exp(sum / static_cast<double>(around[v].size() + 1));
+        }
+        input_ = std::move(smooth);
+    }
+    smallest_ = kInfinity;
+    largest_ = 0.0;
+    for (std::size_t v = 0; v < count; ++v)
+        if (tets[v] > 0.0) {
+            smallest_ = std::min(smallest_, input_[v]);
+            largest_ = std::max(largest_, input_[v]);
+        }
+    // What is uniform but for scatter is treated as uniform: then the lattice is one piece.
+    uniform_ = largest_ < 1.5 * smallest_;
+    if (uniform_) {
+        const double one = wanted.empty() ? cell(all, static_cast<double>(mesh_.tets.size())) / kCellPerEdge
+                                          : 0.5 * (smallest_ + largest_);
+        input_.assign(count, one);
+        smallest_ = largest_ = one;
+    } else {
+        limit_gradient(input_, mesh_.points, around, form_.inner_grade);
+    }
+}
+
+void Sizing::limit_by_curvature() {
+    const auto lower = [&](int vertex, double sag) {
+        if (sag > 0.0)
+            surface[vertex] =
+                std::min(surface[vertex], std::max(form_.smallest, std::sqrt(form_.sag * form_.tolerance / sag)));
+    };
+    for (int w = 0; w < reference_.wedges(); ++w)
+        lower(reference_.wedge_vertex(w), unit_sag(reference_.curvature(w)[0], reference_.curvature(w)[1]));
+    for (const Curve &curve : reference_.curves())
+        for (std::size_t k = 0; k < curve.vertices.size(); ++k)
+            lower(curve.vertices[k], norm(curve.bend[k]) / 8.0);
+}
+
+void Sizing::limit_by_thickness() {
+    // Sheets: rays from each triangle into each region beside it, in a cone, that hit a triangle facing the other way.
+    constexpr int kRays = 9;
+    constexpr double kCone = 0.5235987755982988; // 30 degrees
+    const auto &data = reference_.data();
+    std::vector<double> sum(data.points.size(), 0.0);
+    std::vector<double> weight(data.points.size(), 0.0);
+    std::vector<double> least(data.points.size(), kInfinity);
+    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+        const Vec3 &n = reference_.normal(static_cast<int>(t));
+        if (n == Vec3{})
+            continue;
+        const auto &[a, b, c] = data.triangles[t];
+        const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
+        const Vec3 u = across(n);
+        const Vec3 v = cross(n, u);
+        double thin = kInfinity;
+        for (int side = 0; side < 2; ++side) {
+            if (data.sides[data.patch[t]][side] < 0)
+                continue;
+            std::array<double, kRays> hits;
+            for (int j = 0; j < kRays; ++j) {
+                const double tilt = j == 0 ? 0.0 : kCone;
+                const double turn = 6.283185307179586 * j / (kRays - 1) + 0.1;
+                const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
+                const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
+                int hit = -1;
+                const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
+                const bool opposite = hit >= 0 && dot(reference_.normal(hit), n) < -0.5;
+                hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
+            }
+            std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
+            thin = std::min(thin, hits[3]);
+        }
+        const double capped = std::min(thin, reference_.diagonal());
+        for (const int at : data.triangles[t]) {
+            sum[at] += reference_.area(static_cast<int>(t)) * capped;
+            weight[at] += reference_.area(static_cast<int>(t));
+        }
+    }
+    for (std::size_t v = 0; v < sum.size(); ++v)
+        if (weight[v] > 0.0) {
+            const double limit = std::max(form_.thickness * sum[v] / weight[v], 0.5 * form_.smallest);
+            limit_[v] = std::min(limit_[v], limit);
+        }
+}
+
+void Sizing::grade() {
+    const auto &data = reference_.data();
+    limit_gradient(surface, data.points, neighbours(data.triangles, data.points.size()), form_.surface_grade);
+    std::vector<double> values;
+    for (const auto &t : data.triangles)
+        values.push_back(std::min({surface[t[0]], surface[t[1]], surface[t[2]]}));
+    least_ = tree_.smallest(values);
+    for (const double s : values)
+        smallest_ = std::min(smallest_, s);
+}
+
+double Sizing::input_size(const Vec3 &p) const {
+    if (uniform_)
+        return input_.front();
+    const Place place = map_.find_or_nearest(p);
+    double size = 0.0;
+    for (int k = 0; k < 4; ++k)
+        size += place.weight[k] * input_[mesh_.tets[place.tet][k]];
+    return size;
+}
+
+double Sizing::on_surface(const Foot &foot) const {
+    const auto &t = reference_.data().triangles[foot.triangle];
+    return foot.weight[0] * surface[t[0]] + foot.weight[1] * surface[t[1]] + foot.weight[2] * surface[t[2]];
+}
+
+double Sizing::at(const Vec3 &p) const {
+    const auto &data = reference_.data();
+    const double most = form_.coarsen * input_size(p);
+    return tree_.minimise(
+        most, [&](std::size_t node) { return least_[node] + form_.inner_grade * std::sqrt(tree_.box(node).square(p)); },
+        [&](std::size_t item, double) {
+            const auto &[a, b, c] = data.triangles[item];
+            const TrianglePoint q = nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
+            return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
+                   form_.inner_grade * std::sqrt(q.square);
+        });
+}
+
+} // namespace wct

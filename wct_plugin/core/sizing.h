@@ -1,0 +1,70 @@
+#pragma once
+
+#include "reference.h"
+#include "region_map.h"
+
+#include <span>
+#include <vector>
+
+namespace wct {
+
+struct SizingForm {
+    double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
+    double sag = 1.22;      // sag of a typical facet, as a multiple of the tolerance
+    double thickness = 0.8; // size per local thickness
+    double surface_grade = 0.15;
+    double inner_grade = 0.3;
+    double smallest = 0.0; // no size below this, whatever the curvature
+    double coarsen = 1.0;  // how far inside sizes may exceed the input's own
+};
+
+/// Ratio of the boundary's edge length to the cell of the BCC lattice that goes with it.
+inline constexpr double kCellPerEdge = 1.0 / 1.05;
+
+/// Target edge length everywhere.
+///
+/// Near the surface it is what curvature, thickness and the input allow, from there it grows with the depth, up to the
+/// input's own local size: the edge of the lattice that has as many tets per volume as the input has there.
+class Sizing {
+  public:
+    /// `wanted`: edge length per input point; empty: the input's own.
+    Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
+           std::span<const double> wanted);
+
+    double at(const Vec3 &p) const;
+    double on_surface(const Foot &foot) const;
+    double input_size(const Vec3 &p) const;
+    double smallest() const { return smallest_; }
+    double largest() const { return largest_; }
+    const SizingForm &form() const { return form_; }
+
+    /// Edge length per reference vertex. After changing it call grade().
+    std::vector<double> surface;
+    void grade();
+
+    /// What thickness and the input allow at a reference vertex, whatever the curvature.
+    double limit(std::size_t vertex) const { return limit_[vertex]; }
+
+  private:
+    void make_input_sizes(std::span<const double> wanted);
+    void limit_by_curvature();
+    void limit_by_thickness();
+
+    const Reference &reference_;
+    const InputMesh &mesh_;
+    const RegionMap &map_;
+    SizingForm form_;
+    std::vector<double> input_; // per input point
+    bool uniform_ = false;
+    std::vector<double> limit_;
+    BoxTree tree_;
+    std::vector<double> least_; // per node of tree_
+    double smallest_ = 0.0;
+    double largest_ = 0.0;
+};
+
+/// Sag of an equilateral facet of unit edge over a surface with these principal curvatures: how far it leaves the
+/// surface to one side, or to both together where the surface is a saddle.
+double unit_sag(double k1, double k2);
+
+} // namespace wct

@@ -1,0 +1,83 @@
+#include "surface_labels.h"
+
+#include <algorithm>
+#include <map>
+
+namespace wct {
+
+namespace {
+
+/// The patch all three corners belong to; of several, or of none, the nearest to the facet's centroid.
+int patch_of(const Cloud &cloud, const Reference &reference, const Facet &facet) {
+    std::vector<int> shared = patches_of(cloud, reference, facet[0]);
+    for (int k = 1; k < 3; ++k) {
+        const std::vector<int> other = patches_of(cloud, reference, facet[k]);
+        std::vector<int> both;
+        std::set_intersection(shared.begin(), shared.end(), other.begin(), other.end(), std::back_inserter(both));
+        shared = std::move(both);
+    }
+    if (shared.size() == 1)
+        return shared[0];
+    const Vec3 middle =
+        (1.0 / 3.0) * (cloud.points[facet[0]] + cloud.points[facet[1]] + cloud.points[facet[2]]);
+    if (shared.empty())
+        return reference.data().patch[reference.nearest(middle).triangle];
+    return *std::min_element(shared.begin(), shared.end(), [&](int a, int b) {
+        return reference.nearest(middle, a).distance < reference.nearest(middle, b).distance;
+    });
+}
+
+int curve_of(const Cloud &cloud, const Reference &reference, const Edge &edge) {
+    for (int v : edge)
+        if (cloud.role[v] == Stratum::crease)
+            return cloud.label[v];
+    const Vec3 middle = 0.5 * (cloud.points[edge[0]] + cloud.points[edge[1]]);
+    int best = -1;
+    double distance = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < static_cast<int>(reference.curves().size()); ++k) {
+        const double here = reference.nearest_on_curve(middle, k).distance;
+        if (here < distance) {
+            distance = here;
+            best = k;
+        }
+    }
+    return best;
+}
+
+} // namespace
+
+SurfaceLabels label_surface(const Cloud &cloud, const Complex &complex, const Reference &reference) {
+    SurfaceLabels out;
+    struct Patches {
+        int first;
+        bool crease = false;
+        int facets = 0;
+    };
+    std::map<Edge, Patches> edges; // ordered: the result does not depend on addresses
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i) {
+            if (!complex.on_surface(t, i))
+                continue;
+            const Facet facet = complex.facet(t, i);
+            const int patch = patch_of(cloud, reference, facet);
+            out.facets.push_back(facet);
+            out.patch.push_back(patch);
+            for (int k = 0; k < 3; ++k) {
+                const int a = facet[k], b = facet[(k + 1) % 3];
+                auto &seen = edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, Patches{patch}).first->second;
+                seen.crease |= seen.first != patch || ++seen.facets > 2;
+            }
+        }
+    for (const auto &[edge, seen] : edges) {
+        if (!seen.crease || cloud.role[edge[0]] < Stratum::crease || cloud.role[edge[1]] < Stratum::crease)
+            continue;
+        const int curve = curve_of(cloud, reference, edge);
+        if (curve < 0)
+            continue;
+        out.creases.push_back(edge);
+        out.curve.push_back(curve);
+    }
+    return out;
+}
+
+} // namespace wct

@@ -1,0 +1,135 @@
+#pragma once
+
+#include "cells.h"
+#include "vec3.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace wct {
+
+/// Vertices of an edge or facet in ascending order: the key under which creases and surface facets are found.
+Edge sorted(int a, int b);
+Facet sorted(int a, int b, int c);
+
+struct KeyHash {
+    std::size_t operator()(const Edge &key) const;
+    std::size_t operator()(const Facet &key) const;
+};
+
+struct Vertex {
+    Vec3 position;
+    Stratum stratum = Stratum::interior;
+    int label = -1;     // patch of a Stratum::patch vertex, curve of a Stratum::crease vertex
+    double size = 0.0;  // edge length wanted here
+    Vec3 home;          // where a corner came from
+};
+
+/// A tetrahedral mesh under change. Surface facets (the boundary and the interfaces between regions) know their patch,
+/// crease edges their curve. Every change is written to a journal while a mark is set; `rollback` returns to the last
+/// mark, `commit` forgets it and keeps the changes (for the mark around it to undo, if there is one).
+class TetComplex {
+  public:
+    std::size_t vertex_slots() const { return vertices_.size(); }
+    std::size_t tet_slots() const { return tets_.size(); }
+
+    const Vertex &vertex(int v) const { return vertices_[v]; }
+    const Vec3 &point(int v) const { return vertices_[v].position; }
+    bool used(int v) const { return !stars_[v].empty(); }
+    /// Tets at v, in no particular order (but the same one for the same history).
+    const std::vector<int> &star(int v) const { return stars_[v]; }
+
+    bool alive(int t) const { return alive_[t] != 0; }
+    const Tet &tet(int t) const { return tets_[t]; }
+    int region(int t) const { return regions_[t]; }
+    double energy(int t) const { return energies_[t]; }
+    /// Sum over the living tets, kept up to date.
+    double total() const { return total_; }
+    bool has(int t, int v) const;
+    /// The tet across facet {a, b, c} of t, or -1.
+    int across(int t, int a, int b, int c) const;
+
+    struct SurfaceFacet {
+        int patch = -1;
+        bool off = false; // farther from its patch than the tolerance
+    };
+    /// Patch of a surface facet, -1 for an interior one.
+    int patch_of(int a, int b, int c) const;
+    /// How many of the tet's facets are off their patch.
+    int off_facets(const Tet &tet) const;
+    bool off(const Facet &key) const;
+    void set_off(const Facet &key, bool off);
+    int off_count() const { return off_count_; }
+    /// Curve of a crease edge, -1 for any other.
+    int curve_of(int a, int b) const;
+    const std::unordered_map<Facet, SurfaceFacet, KeyHash> &surface() const { return surface_; }
+    const std::unordered_map<Edge, int, KeyHash> &creases() const { return creases_; }
+
+    int add_vertex(const Vertex &vertex);
+    void move(int v, const Vec3 &position);
+    int add_tet(const Tet &tet, int region, double energy);
+    void remove_tet(int t);
+    void set_energy(int t, double energy);
+    void add_facet(const Facet &key, int patch);
+    void remove_facet(const Facet &key);
+    void add_crease(const Edge &key, int curve);
+    void remove_crease(const Edge &key);
+
+    void mark();
+    void commit();
+    void rollback();
+    /// Change of `total()` since the last mark.
+    double gain() const { return total_ - marks_.back().total; }
+    /// Recompute the sum from scratch: rounding in `total()` does not pile up over long runs.
+    void resum();
+
+  private:
+    enum class Kind : std::uint8_t {
+        added_vertex,
+        moved,
+        added_tet,
+        removed_tet,
+        set_energy,
+        added_facet,
+        removed_facet,
+        set_off,
+        added_crease,
+        removed_crease
+    };
+    struct Entry {
+        Kind kind;
+        int index;     // vertex or tet; patch or curve of a facet or crease
+        double energy; // before
+        Vec3 position; // before
+        Facet key;     // facet; first two of a crease
+    };
+    struct Mark {
+        std::size_t entries;
+        double total;
+    };
+
+    void note(Entry entry);
+    void put_facet(const Facet &key, SurfaceFacet facet);
+    void drop_facet(const Facet &key);
+    void unlink(int t);
+    void link(int t);
+
+    std::vector<Vertex> vertices_;
+    std::vector<std::vector<int>> stars_;
+    std::vector<Tet> tets_;
+    std::vector<int> regions_;
+    std::vector<double> energies_;
+    std::vector<std::uint8_t> alive_;
+    std::vector<int> free_; // dead slots nobody can ask back
+    std::unordered_map<Facet, SurfaceFacet, KeyHash> surface_;
+    int off_count_ = 0;
+    std::unordered_map<Edge, int, KeyHash> creases_;
+    double total_ = 0.0;
+    std::vector<Entry> journal_;
+    std::vector<Mark> marks_;
+};
+
+} // namespace wct

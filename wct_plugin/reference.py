@@ -1,0 +1,103 @@
+"""The surface a resampled mesh must stay near: its strata, the regions on either side, and how exact it is itself."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.surface import Strata, enclosed_volume, strata, surface_strata
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Tolerance where the user gives none, as a fraction of the bounding-box diagonal, unless the reference is coarser.
+TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A surface in strata. ``sides`` (patches, 2): index of the region behind each patch's triangles and before them."""
+
+    points: Floats
+    strata: Strata
+    sides: Ints  #: -1 stands for outside
+    regions: Ints  #: region tags in the order of their indices
+
+    @property
+    def corners(self) -> Ints:
+        """Indices of the corners."""
+        return np.flatnonzero(self.strata.stratum == 3)
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal."""
+        return float(np.linalg.norm(np.ptp(self.points[np.unique(self.strata.triangles)], axis=0)))
+
+    def auto_tolerance(self) -> float:
+        """Fraction of the diagonal: 1e-3, or the sag of the reference's own facets if that is larger."""
+        return max(TOLERANCE, _facet_sag(self.points, self.strata) / self.diagonal)
+
+
+def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
+    """The mesh's own boundary, interfaces and tagged facets as reference."""
+    found = strata(mesh, crease_angle)
+    topology = mesh.topology
+    regions, index = np.unique(mesh.regions, return_inverse=True)
+    behind = index[topology.boundary_half_facets[:, 0]]
+    pairs = topology.interface_pairs
+    sides = np.concatenate(
+        [
+            np.column_stack([behind, np.full(len(behind), -1)]),
+            np.column_stack([index[pairs[:, 0]], index[pairs[:, 2]]]),
+        ]
+    )
+    of_patch = np.full((int(found.patch.max()) + 1, 2), -1, dtype=np.int64)
+    of_patch[found.patch[: len(sides)]] = sides
+    return Reference(mesh.points, found, of_patch, regions)
+
+
+def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> Reference:
+    """A surface as reference of a mesh of one region: equal points merged, flat triangles dropped, outward."""
+    points, place = np.unique(surface.points, axis=0, return_inverse=True)
+    triangles = place.reshape(-1)[surface.triangles]
+    corners = points[triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    sound = area > 1e-14 * surface.diagonal**2
+    triangles, tags = triangles[sound], surface.tags[sound]
+    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    triangles, tags = triangles[np.sort(first)], tags[np.sort(first)]
+    if enclosed_volume(points, triangles) < 0:
+        triangles = triangles[:, ::-1].copy()
+    used, place = np.unique(triangles, return_inverse=True)
+    clean = SurfaceMesh(points[used], place.reshape(-1, 3), tags)
+    found = surface_strata(clean, crease_angle)
+    patches = int(found.patch.max()) + 1
+    return Reference(clean.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions))
+
+
+def _facet_sag(points: Floats, found: Strata) -> float:
+    """How far facets of a smooth surface lie from it: 99 % quantile over the edges inside patches.
+
+    A bend by the angle a between facets of edge l means a curvature of about a sqrt(3) / l, and facets that leave the
+    surface by curvature l^2 / 6 in their middle.
+    """
+    triangles, patch = found.triangles, found.patch
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(triangles)), 3)
+    order = np.lexsort(ends.T[::-1])
+    ends, owner = ends[order], owner[order]
+    same = (ends[1:] == ends[:-1]).all(axis=1)
+    first, second = owner[:-1][same], owner[1:][same]
+    edge = ends[:-1][same]
+    inside = patch[first] == patch[second]
+    if not inside.any():
+        return 0.0
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    # Facets of an interface may wind either way.
+    cosine = np.abs(np.einsum("ij,ij->i", normals[first[inside]], normals[second[inside]]))
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+    length = np.linalg.norm(points[edge[inside, 1]] - points[edge[inside, 0]], axis=1)
+    return float(np.quantile(angle * length * np.sqrt(3.0) / 6.0, 0.99))
