@@ -64,38 +64,34 @@ template <std::size_t corners> class BoundingTree {
         return best;
     }
 
-    /// Some piece within `distance` of x, or -1: stops at the first it finds.
-    std::int32_t within(const Vec3 &x, double distance) const {
-        const double limit = distance * distance;
-        std::array<std::int32_t, 64> stack;
-        std::size_t size = 0;
-        if (!nodes_.empty())
-            stack[size++] = 0;
-        while (size) {
-            const Node &node = nodes_[static_cast<std::size_t>(stack[--size])];
-            if (node.squared_distance(x) > limit)
-                continue;
-            if (node.right < 0) {
-                for (std::int32_t i = node.first; i < node.last; ++i)
-                    if (near(i, x, limit))
-                        return i;
-                continue;
-            }
-            std::int32_t nearer = static_cast<std::int32_t>(&node - nodes_.data()) + 1;
-            std::int32_t farther = node.right;
-            if (nodes_[static_cast<std::size_t>(farther)].squared_distance(x) <
-                nodes_[static_cast<std::size_t>(nearer)].squared_distance(x))
-                std::swap(nearer, farther);
-            stack[size++] = farther;
-            stack[size++] = nearer;
-        }
-        return -1;
+    /// Is the piece within this squared distance of x?
+    bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
+        const Vec3 gap = closest_on(pieces_[static_cast<std::size_t>(piece)], x) - x;
+        return dot(gap, gap) <= distance;
     }
 
-    /// Is x within sqrt(limit) of this piece?
-    bool near(std::int32_t piece, const Vec3 &x, double limit) const {
-        const Vec3 d = closest_on(pieces_[static_cast<std::size_t>(piece)], x) - x;
-        return dot(d, d) <= limit;
+    /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first.
+    std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
+        if (reaches(guess, x, distance))
+            return guess;
+        std::array<std::int32_t, 64> stack;
+        std::size_t size = 0;
+        stack[size++] = 0;
+        while (size) {
+            const std::int32_t index = stack[--size];
+            const Node &node = nodes_[static_cast<std::size_t>(index)];
+            if (node.squared_distance(x) > distance)
+                continue;
+            if (node.right >= 0) {
+                stack[size++] = node.right;
+                stack[size++] = index + 1;
+                continue;
+            }
+            for (std::int32_t i = node.first; i < node.last; ++i)
+                if (reaches(i, x, distance))
+                    return i;
+        }
+        return -1;
     }
 
   private:

@@ -21,7 +21,7 @@ void StarDescent::gather_facets(int v) {
     held_.clear();
     for (std::size_t k = 0; k < facets_.size(); ++k) {
         Held held{facets_[k], patches_[k], guide_.tolerance(), {}};
-        held.hints.fill(-1);
+        held.hints.fill(0);
         if (complex_.off(held.facet))
             held.limit = std::max(held.limit, (1.0 + 1e-9) * guide_.deviation(held.patch, complex_.point(held.facet[0]),
                                                                               complex_.point(held.facet[1]),

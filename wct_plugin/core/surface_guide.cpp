@@ -127,7 +127,7 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Vec3 *direction) const {
 
 bool SurfaceGuide::allows(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r) const {
     Hints hints;
-    hints.fill(-1);
+    hints.fill(0);
     return within(patch, p, q, r, tolerance_, hints);
 }
 
@@ -138,10 +138,10 @@ bool SurfaceGuide::within(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r
     const Vec3 n = cross(q - p, r - p);
     for (int k = 0; k < kSamples; ++k) {
         const Vec3 x = blend(kWeights[k], p, q, r);
-        if (hints[k] < 0 || !guide.tree.near(hints[k], x, limit * limit))
-            hints[k] = guide.tree.within(x, limit);
-        if (hints[k] < 0)
+        const std::int32_t near = guide.tree.within(x, limit * limit, hints[k]);
+        if (near < 0)
             return false;
+        hints[k] = near;
         if (k == 0) {
             const auto &c = guide.tree.pieces()[hints[k]];
             const Vec3 m = cross(c[1] - c[0], c[2] - c[0]);
@@ -166,7 +166,7 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
     if (guide.straight)
         return true;
     for (double t : {0.25, 0.5, 0.75})
-        if (guide.tree.within((1.0 - t) * p + t * q, tolerance_) < 0)
+        if (guide.tree.within((1.0 - t) * p + t * q, tolerance_ * tolerance_, 0) < 0)
             return false;
     return true;
 }

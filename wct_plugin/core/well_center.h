@@ -5,12 +5,15 @@
 #include "monitor.h"
 #include "problem.h"
 
+#include <limits>
+
 namespace wct {
 
 struct Aim {
     Goal goal = Goal::well_centered;
-    double margin = 0.02; // wanted in h/R, and in the cosines if the goal asks
-    int effort = 1;       // multiplies the iterations
+    double margin = 0.02;                                       // wanted in h/R, and in the cosines if the goal asks
+    int effort = 1;                                             // multiplies the iterations
+    double tolerance = std::numeric_limits<double>::infinity(); // between curved surfaces now and at the start
 };
 
 struct Result {
