@@ -45,7 +45,7 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
         surface = strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
         stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
-        points, metrics = _core.move_vertices(
+        points, report = _core.move_vertices(
             mesh.points,
             mesh.tets,
             stratum,
@@ -59,4 +59,4 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
             effort=options.effort,
             progress=lambda done, bad: progress(Progress("moving vertices", done, bad)) is not False,
         )
-        return replace(mesh, points=points), metrics
+        return replace(mesh, points=points), dict(report)

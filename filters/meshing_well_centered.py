@@ -208,5 +208,3 @@ class _Listener:
 
     def search(self, phase: str, done: float, bad: int) -> bool:
         return self._progress(Progress(f"local search: {phase}", done, bad)) is not False
-
-

@@ -35,6 +35,7 @@ def test_our_filters_are_registered():
         "compute_scalar_by_well_centeredness",
         "generate_tetrahedralization",
         "get_quality",
+        "meshing_well_centered",
     ]
     for name in filter_names():
         found = find_filter(f"filters.{name}")

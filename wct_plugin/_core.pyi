@@ -88,6 +88,7 @@ def move_vertices(
     goal: Literal["3wc", "cwc"],
     margin: float,
     effort: int,
+    tolerance: float = ...,
     progress: Callable[[float, int], Any] | None = None,
 ) -> tuple[NDArray[np.float64], MoveReport]:
     """Move vertices so that as many tets as possible contain their circumcenter ("3wc"), and have acute facets ("cwc").
@@ -98,7 +99,7 @@ def move_vertices(
     patches and straight creases stay so to rounding. All tets must be positive.
 
     ``margin`` (0 to 1/3) is the clearance wanted in h/R, and in the cosines for cwc. ``effort`` (1 to 1000) multiplies
-    the iterations.
+    the iterations. ``tolerance``, a length, is how far the moved surface may get from where it was, both ways.
 
     ``progress(done, bad)`` hears the done fraction and the number of tets that miss the goal so far; if it returns
     something false other than None, the best positions so far are returned; if it raises, that propagates, as does
@@ -106,4 +107,144 @@ def move_vertices(
 
     Whatever happens, no returned tet is inverted and no fewer contain their circumcenter than before, both exactly;
     points that may not move keep their bits; the same input gives the same bits.
+    """
+
+def delaunay(points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Delaunay tetrahedralization of ``points`` (n, 3).
+
+    Returns tets (m, 4), positively oriented, and neighbours (m, 4): the tet across the facet opposite each vertex, -1
+    on the hull. Exact: no point lies inside a circumsphere and no tet is flat. Fewer than four points, and points that
+    are not finite, coincide or all lie in one plane, raise ValueError.
+    """
+
+class SurfaceArrays(TypedDict):
+    """A tet mesh and its surface in strata, as :func:`resample` and :func:`search_well_centered` give them."""
+
+    points: NDArray[np.float64]
+    """(n, 3)"""
+    tets: NDArray[np.int64]
+    """(m, 4), positively oriented"""
+    stratum: NDArray[np.int8]
+    """(n,): 0 interior, 1 patch, 2 crease, 3 corner"""
+    label: NDArray[np.int64]
+    """(n,): patch or curve id, -1 inside"""
+    facets: NDArray[np.int64]
+    """(k, 3) surface facets: the boundary and the interfaces"""
+    facet_patch: NDArray[np.int64]
+    """(k,)"""
+    creases: NDArray[np.int64]
+    """(c, 2)"""
+    crease_curve: NDArray[np.int64]
+    """(c,)"""
+
+class ResampledArrays(SurfaceArrays):
+    """What :func:`resample` gives."""
+
+    region: NDArray[np.int64]
+    """(m,) index of the region"""
+    size: NDArray[np.float64]
+    """(n,) edge length wanted at the point"""
+    exposed: NDArray[np.int64]
+    pinched: NDArray[np.int64]
+    """Points where the result is no manifold; both empty if all went well."""
+    stats: dict[str, Any]
+
+class SearchedArrays(SurfaceArrays):
+    """What :func:`search_well_centered` gives."""
+
+    regions: NDArray[np.int64]
+    """(m,) index of the region"""
+    bad: int
+    """Tets that miss the goal."""
+    passes: int
+    kicks: int
+    accepted: int
+    """Kicks that made it better."""
+    evaluations: int
+    """Tets measured."""
+    stopped: bool
+    """Whether the listener ended the work."""
+
+def resample(
+    surface_points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    patch: NDArray[np.int64],
+    segments: NDArray[np.int64],
+    curve: NDArray[np.int64],
+    corners: NDArray[np.int64],
+    sides: NDArray[np.int64],
+    points: NDArray[np.float64],
+    tets: NDArray[np.int64],
+    region: NDArray[np.int64],
+    tolerance: float,
+    size: NDArray[np.float64] | None = None,
+    cosines: bool = True,
+    seed: int = 1,
+    progress: Callable[[float, int], Any] | None = None,
+    options: dict[str, Any] = ...,
+) -> ResampledArrays:
+    """Resample a domain with tets that are nearly all well-centered.
+
+    The surface: ``surface_points`` (p, 3), ``triangles`` (t, 3), ``patch`` (t,), crease ``segments`` (s, 2) with their
+    ``curve`` (s,), ``corners`` (c,), ``sides`` (patches, 2): the region behind a patch's triangles and the one before,
+    -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
+    ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
+    point, else the mesh's own local one. ``progress(done, bad)`` as in :func:`move_vertices`.
+
+    The label of a corner is its surface point. The same input and seed give the same bits.
+    """
+
+def search_well_centered(
+    points: NDArray[np.float64],
+    tets: NDArray[np.int64],
+    regions: NDArray[np.int64],
+    stratum: NDArray[np.int8],
+    label: NDArray[np.int64],
+    size: NDArray[np.float64],
+    facets: NDArray[np.int64],
+    facet_patch: NDArray[np.int64],
+    creases: NDArray[np.int64],
+    crease_curve: NDArray[np.int64],
+    surface_points: NDArray[np.float64],
+    surface_triangles: NDArray[np.int64],
+    surface_patch: NDArray[np.int64],
+    surface_segments: NDArray[np.int64],
+    surface_curve: NDArray[np.int64],
+    *,
+    tolerance: float,
+    shell: float,
+    acute: bool,
+    margin: float,
+    flip_surface: bool,
+    split_surface: bool,
+    passes: int,
+    kicks: int,
+    seed: int,
+    progress: Callable[[str, float, int], Any] | None = None,
+) -> SearchedArrays:
+    """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
+
+    The mesh: ``points`` (n, 3), ``tets`` (m, 4), ``regions`` (m,) from 0; per point ``stratum`` as in
+    :func:`move_vertices`, ``label`` and ``size``, the edge length wanted there; ``facets`` (k, 3), the boundary and
+    whatever lies on a patch inside, ``facet_patch`` (k,), ``creases`` (c, 2), ``crease_curve`` (c,). The surface to
+    stay near: ``surface_points`` (p, 3), ``surface_triangles`` (t, 3), ``surface_patch`` (t,), ``surface_segments``
+    (s, 2), ``surface_curve`` (s,); patches and curves count from 0 without gaps.
+
+    On curved patches vertices stay within ``shell`` of the surface and facets within ``tolerance``, both lengths;
+    planar patches and straight creases are kept exactly. ``flip_surface`` and ``split_surface`` say whether surface
+    facets may be flipped, and crease edges and surface edges split or collapsed. At most ``passes`` sweeps and
+    ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
+    """
+
+def closest_points(
+    surface_points: NDArray[np.float64], triangles: NDArray[np.int64], queries: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Nearest points (q, 3) of a triangle surface, the triangles (q,) they lie on and the distances (q,)."""
+
+def surface_curvatures(
+    surface_points: NDArray[np.float64], triangles: NDArray[np.int64], patch: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Principal curvatures (t, 6) at the three corners of each triangle as its ``patch`` (t,) sees them, larger first.
+
+    Positive where the surface bends away from its normal; zero on planar patches.
     """

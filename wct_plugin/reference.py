@@ -17,7 +17,7 @@ TOLERANCE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """A surface in strata. ``sides`` (patches, 2): index of the region behind each patch's triangles and before them."""
+    """A surface in strata. ``sides`` (patches, 2): index of the region behind a patch's triangles and before them."""
 
     points: Floats
     strata: Strata

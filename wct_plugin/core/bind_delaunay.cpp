@@ -1,17 +1,9 @@
+#include "bind_arrays.h"
 #include "bindings.h"
 
 #include "delaunay.h"
 
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/pair.h>
-
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <utility>
-#include <vector>
 
 namespace nb = nanobind;
 
@@ -19,28 +11,21 @@ namespace wct {
 
 namespace {
 
-using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Quads = nb::ndarray<nb::numpy, std::int64_t, nb::shape<-1, 4>, nb::c_contig>;
-
-/// A NumPy array that owns a widened copy.
-Quads quads(const std::vector<std::array<int, 4>> &rows) {
-    auto values = std::make_unique<std::int64_t[]>(4 * rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        std::copy(rows[i].begin(), rows[i].end(), &values[4 * i]);
-    nb::capsule owner(values.get(), [](void *data) noexcept { delete[] static_cast<std::int64_t *>(data); });
-    return Quads(values.release(), {rows.size(), 4}, owner);
+nb::object quads(const std::vector<std::array<int, 4>> &cells) {
+    return array<std::int64_t>(cells.size(), 4, [&](std::int64_t *to) {
+        for (const auto &cell : cells)
+            to = std::copy(cell.begin(), cell.end(), to);
+    });
 }
 
-std::pair<Quads, Quads> delaunay_arrays(const Points &points) {
+nb::tuple delaunay_arrays(const Array &points) {
+    const auto at = points_of(points);
     Triangulation mesh;
     {
         nb::gil_scoped_release release;
-        std::vector<Vec3> copy(points.shape(0));
-        for (std::size_t i = 0; i < copy.size(); ++i)
-            copy[i] = {points(i, 0), points(i, 1), points(i, 2)};
-        mesh = delaunay(copy);
+        mesh = delaunay(at);
     }
-    return {quads(mesh.tets), quads(mesh.neighbours)};
+    return nb::make_tuple(quads(mesh.tets), quads(mesh.neighbours));
 }
 
 } // namespace

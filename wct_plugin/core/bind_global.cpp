@@ -1,16 +1,14 @@
+#include "bind_arrays.h"
 #include "bindings.h"
 
 #include "global_stage.h"
 #include "surface_labels.h"
 
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 
@@ -19,55 +17,6 @@ namespace nb = nanobind;
 namespace wct {
 
 namespace {
-
-using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Values = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
-using Ids = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
-template <int n> using Rows = nb::ndarray<const std::int64_t, nb::shape<-1, n>, nb::c_contig, nb::device::cpu>;
-
-std::vector<Vec3> vectors(const Points &points) {
-    std::vector<Vec3> out(points.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = {points(i, 0), points(i, 1), points(i, 2)};
-    return out;
-}
-
-int checked(std::int64_t value, std::size_t count, const char *what) {
-    if (value < 0 || value >= static_cast<std::int64_t>(count))
-        throw std::invalid_argument(std::string(what) + ": index " + std::to_string(value) + " is out of range");
-    return static_cast<int>(value);
-}
-
-template <int n> std::vector<std::array<int, n>> rows(const Rows<n> &values, std::size_t count, const char *what) {
-    std::vector<std::array<int, n>> out(values.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i)
-        for (int k = 0; k < n; ++k)
-            out[i][k] = checked(values(i, k), count, what);
-    return out;
-}
-
-std::vector<int> ids(const Ids &values, std::size_t count, const char *what) {
-    std::vector<int> out(values.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = checked(values(i), count, what);
-    return out;
-}
-
-void same_length(std::size_t a, std::size_t b, const char *what) {
-    if (a != b)
-        throw std::invalid_argument(std::string(what) + ": " + std::to_string(a) + " values, " + std::to_string(b) +
-                                    " wanted");
-}
-
-/// A NumPy array of `width` columns (0: one-dimensional) that owns what `fill` writes.
-template <class T, class Fill> nb::object array(std::size_t count, std::size_t width, const Fill &fill) {
-    const std::size_t total = count * std::max<std::size_t>(width, 1);
-    auto values = std::make_unique<T[]>(std::max<std::size_t>(total, 1));
-    fill(values.get());
-    nb::capsule owner(values.get(), [](void *data) noexcept { delete[] static_cast<T *>(data); });
-    const std::size_t shape[2] = {count, width};
-    return nb::cast(nb::ndarray<nb::numpy, T>(values.release(), width ? 2 : 1, shape, owner));
-}
 
 nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
     const Cloud &cloud = result.cloud;
@@ -195,15 +144,15 @@ GlobalForm form_of(nb::dict options) {
 }
 
 /// Nearest points of a surface: points, triangles, distances.
-nb::tuple closest_arrays(const Points &surface_points, const Rows<3> &triangles, const Points &queries) {
+nb::tuple closest_arrays(const Array &surface_points, const Array &triangles, const Array &queries) {
     SurfaceData surface;
-    surface.points = vectors(surface_points);
-    surface.triangles = rows<3>(triangles, surface.points.size(), "triangles");
+    surface.points = points_of(surface_points, "surface_points");
+    surface.triangles = cells_of<3>(triangles, surface.points.size(), "triangles");
     if (surface.triangles.empty())
         throw std::invalid_argument("the surface has no triangles");
     surface.patch.assign(surface.triangles.size(), 0);
     surface.sides = {{0, -1}};
-    const std::vector<Vec3> at = vectors(queries);
+    const std::vector<Vec3> at = points_of(queries, "queries");
     std::vector<Foot> feet(at.size());
     {
         nb::gil_scoped_release release;
@@ -231,12 +180,12 @@ nb::tuple closest_arrays(const Points &surface_points, const Rows<3> &triangles,
 }
 
 /// Principal curvatures per triangle corner.
-nb::object curvature_arrays(const Points &surface_points, const Rows<3> &triangles, const Ids &patch) {
+nb::object curvature_arrays(const Array &surface_points, const Array &triangles, const Array &patch) {
     SurfaceData surface;
-    surface.points = vectors(surface_points);
-    surface.triangles = rows<3>(triangles, surface.points.size(), "triangles");
-    same_length(patch.shape(0), triangles.shape(0), "patch");
-    surface.patch = ids(patch, surface.triangles.size(), "patch");
+    surface.points = points_of(surface_points, "surface_points");
+    surface.triangles = cells_of<3>(triangles, surface.points.size(), "triangles");
+    const auto number = static_cast<std::int64_t>(surface.triangles.size());
+    surface.patch = numbers_of(patch, surface.triangles.size(), number, "patch");
     for (const int p : surface.patch)
         surface.sides.resize(std::max<std::size_t>(surface.sides.size(), p + 1), {0, -1});
     const std::size_t count = surface.triangles.size();
@@ -249,49 +198,41 @@ nb::object curvature_arrays(const Points &surface_points, const Rows<3> &triangl
     });
 }
 
-nb::dict resample_arrays(const Points &surface_points, const Rows<3> &triangles, const Ids &patch,
-                         const Rows<2> &segments, const Ids &curve, const Ids &corners,
-                         const nb::ndarray<const std::int64_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> &sides,
-                         const Points &points, const Rows<4> &tets, const Ids &region, double tolerance,
-                         const std::optional<Values> &size, bool cosines, std::uint64_t seed,
-                         const std::function<bool(double, std::int64_t)> &progress, const nb::dict &options) {
+nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
+                         const Array &curve, const Array &corners, const Array &sides, const Array &points,
+                         const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
+                         bool cosines, std::uint64_t seed, const nb::object &progress, const nb::dict &options) {
     SurfaceData surface;
-    surface.points = vectors(surface_points);
-    surface.triangles = rows<3>(triangles, surface.points.size(), "triangles");
-    same_length(patch.shape(0), triangles.shape(0), "patch");
-    surface.patch = ids(patch, sides.shape(0), "patch");
-    surface.segments = rows<2>(segments, surface.points.size(), "segments");
-    same_length(curve.shape(0), segments.shape(0), "curve");
-    surface.curve = ids(curve, std::max<std::size_t>(segments.shape(0), 1), "curve");
-    surface.corners = ids(corners, surface.points.size(), "corners");
-    for (std::size_t i = 0; i < sides.shape(0); ++i)
-        surface.sides.push_back({static_cast<int>(sides(i, 0)), static_cast<int>(sides(i, 1))});
+    surface.points = points_of(surface_points, "surface_points");
+    surface.triangles = cells_of<3>(triangles, surface.points.size(), "triangles");
+    const auto of_sides = rows<std::int64_t>(sides, 2, "sides");
+    for (std::size_t i = 0; i < of_sides.size(); i += 2)
+        surface.sides.push_back({static_cast<int>(of_sides[i]), static_cast<int>(of_sides[i + 1])});
+    surface.patch =
+        numbers_of(patch, surface.triangles.size(), static_cast<std::int64_t>(surface.sides.size()), "patch");
+    surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
+    surface.curve =
+        numbers_of(curve, surface.segments.size(), static_cast<std::int64_t>(surface.segments.size()), "curve");
+    surface.corners = numbers_of(corners, rows<std::int64_t>(corners, 0, "corners").size(),
+                                 static_cast<std::int64_t>(surface.points.size()), "corners");
     InputMesh mesh;
-    mesh.points = vectors(points);
-    mesh.tets = rows<4>(tets, mesh.points.size(), "tets");
-    same_length(region.shape(0), tets.shape(0), "region");
-    mesh.region = ids(region, std::size_t{1} << 30, "region");
+    mesh.points = points_of(points);
+    mesh.tets = cells_of<4>(tets, mesh.points.size(), "tets");
+    mesh.region = numbers_of(region, mesh.tets.size(), std::int64_t{1} << 30, "region");
     if (surface.triangles.empty() || mesh.tets.empty())
         throw std::invalid_argument("a surface and a mesh are needed");
     if (!(tolerance > 0.0))
         throw std::invalid_argument("tolerance must be positive");
     std::vector<double> wanted;
-    if (size) {
-        same_length(size->shape(0), points.shape(0), "size");
-        wanted.assign(size->data(), size->data() + size->shape(0));
-    }
+    if (size)
+        wanted = sizes_of(*size, mesh.points.size(), "size");
     nb::dict copy;
     copy.update(options);
     GlobalForm form = form_of(copy);
     form.sizing.tolerance = tolerance;
     form.cosines = cosines;
     form.seed = seed;
-    Monitor::Listener listener = [&](double done, std::int64_t bad) {
-        nb::gil_scoped_acquire held;
-        if (PyErr_CheckSignals() != 0)
-            throw nb::python_error();
-        return !progress || progress(done, bad);
-    };
+    Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     GlobalResult result;
     SurfaceLabels labels;
     {

@@ -1,9 +1,11 @@
+#include "bind_arrays.h"
 #include "bindings.h"
+#include "predicates.h"
 #include "search.h"
 
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/function.h>
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace nb = nanobind;
 
@@ -11,88 +13,65 @@ namespace wct {
 
 namespace {
 
-using Reals = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using RealRow = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Indices = nb::ndarray<const std::int64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using IndexRow = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Bytes = nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-std::vector<Vec3> points_of(const Reals &rows) {
-    std::vector<Vec3> out(rows.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = {rows(i, 0), rows(i, 1), rows(i, 2)};
-    return out;
+template <class T> nb::object array_of(const std::vector<T> &values, std::size_t columns) {
+    return array<T>(values.size() / (columns ? columns : 1), columns,
+                    [&](T *to) { std::copy(values.begin(), values.end(), to); });
 }
 
-template <std::size_t n> std::vector<std::array<int, n>> cells_of(const Indices &rows) {
-    std::vector<std::array<int, n>> out(rows.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i)
-        for (std::size_t k = 0; k < n; ++k)
-            out[i][k] = static_cast<int>(rows(i, k));
-    return out;
+/// Labels count from 0 without gaps: each names a piece of the surface. Returns how many there are.
+std::int64_t pieces(const std::vector<int> &labels, const char *name) {
+    std::vector<int> sorted = labels;
+    std::sort(sorted.begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    for (std::size_t k = 0; k < sorted.size(); ++k)
+        if (sorted[k] != static_cast<int>(k))
+            refuse(std::string(name) + " leaves out " + std::to_string(k) + "; it must count from 0 without gaps");
+    return static_cast<std::int64_t>(sorted.size());
 }
 
-std::vector<int> labels_of(const IndexRow &row) {
-    std::vector<int> out(row.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = static_cast<int>(row(i));
-    return out;
+template <std::size_t n> std::string text(const std::array<int, n> &cell) {
+    std::string out = "(";
+    for (std::size_t k = 0; k < n; ++k)
+        out += (k ? ", " : "") + std::to_string(cell[k]);
+    return out + ")";
 }
 
-template <class T> nb::object array_of(std::vector<T> values, std::size_t columns) {
-    auto *kept = new std::vector<T>(std::move(values));
-    nb::capsule owner(kept, [](void *p) noexcept { delete static_cast<std::vector<T> *>(p); });
-    if (columns == 0) {
-        const std::size_t shape[1] = {kept->size()};
-        return nb::cast(nb::ndarray<nb::numpy, T>(kept->data(), 1, shape, owner));
+/// The tets are positive and conform; the facets are theirs, every boundary facet among them; so are the creases.
+void expect_conforming(const std::vector<Vec3> &points, const std::vector<Tet> &tets, const std::vector<Facet> &facets,
+                       const std::vector<Edge> &creases) {
+    std::unordered_map<Facet, int, KeyHash> uses;
+    std::unordered_set<Edge, KeyHash> edges;
+    for (std::size_t t = 0; t < tets.size(); ++t) {
+        const Tet &tet = tets[t];
+        if (orient3d(points[tet[0]], points[tet[1]], points[tet[2]], points[tet[3]]) <= 0)
+            refuse("tet " + std::to_string(t) + " is inverted or flat");
+        for (int i = 0; i < 4; ++i) {
+            const Facet key = sorted(tet[(i + 1) % 4], tet[(i + 2) % 4], tet[(i + 3) % 4]);
+            if (++uses[key] > 2)
+                refuse("tets: facet " + text(key) + " belongs to more than two");
+            for (int k = 0; k < i; ++k)
+                edges.insert(sorted(tet[i], tet[k]));
+        }
     }
-    const std::size_t shape[2] = {kept->size() / columns, columns};
-    return nb::cast(nb::ndarray<nb::numpy, T>(kept->data(), 2, shape, owner));
+    std::unordered_set<Facet, KeyHash> given;
+    for (const Facet &facet : facets) {
+        const Facet key = sorted(facet[0], facet[1], facet[2]);
+        if (!uses.contains(key))
+            refuse("facets: " + text(facet) + " is no facet of a tet");
+        given.insert(key);
+    }
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        for (int i = 0; i < 4; ++i) {
+            const Facet key = sorted(tets[t][(i + 1) % 4], tets[t][(i + 2) % 4], tets[t][(i + 3) % 4]);
+            if (uses[key] == 1 && !given.contains(key))
+                refuse("facets: boundary facet " + text(key) + " is missing");
+        }
+    for (const Edge &crease : creases)
+        if (!edges.contains(sorted(crease[0], crease[1])))
+            refuse("creases: " + text(crease) + " is no edge of a tet");
 }
 
-nb::dict search_well_centered(const Reals &points, const Indices &tets, const IndexRow &regions, const Bytes &stratum,
-                              const IndexRow &label, const RealRow &size, const Indices &facets,
-                              const IndexRow &facet_patch, const Indices &creases, const IndexRow &crease_curve,
-                              const Reals &surface_points, const Indices &surface_triangles,
-                              const IndexRow &surface_patch, const Indices &surface_segments,
-                              const IndexRow &surface_curve, double tolerance, double shell, bool acute, double margin, bool flip_surface,
-                              bool split_surface,
-                              int passes, long kicks, std::uint64_t seed, nb::object progress) {
-    TetComplex complex;
-    SurfaceGuide guide(points_of(surface_points), cells_of<3>(surface_triangles), labels_of(surface_patch),
-                       cells_of<2>(surface_segments), labels_of(surface_curve), tolerance, shell);
-    const std::vector<Vec3> given = points_of(points);
-    for (std::size_t v = 0; v < given.size(); ++v)
-        complex.add_vertex({given[v], static_cast<Stratum>(stratum(v)), static_cast<int>(label(v)), size(v), given[v]});
-    const auto cells = cells_of<4>(tets);
-    for (std::size_t t = 0; t < cells.size(); ++t)
-        complex.add_tet(cells[t], static_cast<int>(regions(t)), 0.0);
-    const auto triangles = cells_of<3>(facets);
-    for (std::size_t k = 0; k < triangles.size(); ++k)
-        complex.add_facet(sorted(triangles[k][0], triangles[k][1], triangles[k][2]), static_cast<int>(facet_patch(k)));
-    const auto segments = cells_of<2>(creases);
-    for (std::size_t k = 0; k < segments.size(); ++k)
-        complex.add_crease(sorted(segments[k][0], segments[k][1]), static_cast<int>(crease_curve(k)));
-
-    SearchOptions options;
-    options.acute = acute;
-    options.margin = margin;
-    options.flip_surface = flip_surface;
-    options.split_surface = split_surface;
-    options.passes = passes;
-    options.kicks = kicks;
-    options.seed = seed;
-    SearchOutcome outcome;
-    {
-        nb::gil_scoped_release release;
-        Search search(complex, guide, options);
-        outcome = search.run([&](const char *phase, double done, int bad) {
-            nb::gil_scoped_acquire acquire;
-            if (PyErr_CheckSignals() != 0)
-                throw nb::python_error();
-            return progress.is_none() || nb::cast<bool>(progress(phase, done, bad));
-        });
-    }
+nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome) {
     std::vector<int> place(complex.vertex_slots(), -1);
     std::vector<double> out_points;
     std::vector<std::int64_t> out_tets, out_regions, out_labels, out_facets, out_patches, out_creases, out_curves;
@@ -132,15 +111,15 @@ nb::dict search_well_centered(const Reals &points, const Indices &tets, const In
         out_curves.push_back(curve);
     }
     nb::dict result;
-    result["points"] = array_of(std::move(out_points), 3);
-    result["tets"] = array_of(std::move(out_tets), 4);
-    result["regions"] = array_of(std::move(out_regions), 0);
-    result["stratum"] = array_of(std::move(out_strata), 0);
-    result["label"] = array_of(std::move(out_labels), 0);
-    result["facets"] = array_of(std::move(out_facets), 3);
-    result["facet_patch"] = array_of(std::move(out_patches), 0);
-    result["creases"] = array_of(std::move(out_creases), 2);
-    result["crease_curve"] = array_of(std::move(out_curves), 0);
+    result["points"] = array_of(out_points, 3);
+    result["tets"] = array_of(out_tets, 4);
+    result["regions"] = array_of(out_regions, 0);
+    result["stratum"] = array_of(out_strata, 0);
+    result["label"] = array_of(out_labels, 0);
+    result["facets"] = array_of(out_facets, 3);
+    result["facet_patch"] = array_of(out_patches, 0);
+    result["creases"] = array_of(out_creases, 2);
+    result["crease_curve"] = array_of(out_curves, 0);
     result["bad"] = outcome.bad;
     result["passes"] = outcome.passes;
     result["kicks"] = outcome.kicks;
@@ -150,6 +129,80 @@ nb::dict search_well_centered(const Reals &points, const Indices &tets, const In
     return result;
 }
 
+nb::dict search_well_centered(const Array &points, const Array &tets, const Array &regions, const Array &stratum,
+                              const Array &label, const Array &size, const Array &facets, const Array &facet_patch,
+                              const Array &creases, const Array &crease_curve, const Array &surface_points,
+                              const Array &surface_triangles, const Array &surface_patch, const Array &surface_segments,
+                              const Array &surface_curve, double tolerance, double shell, bool acute, double margin,
+                              bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
+                              const nb::object &progress) {
+    const auto on = points_of(surface_points, "surface_points");
+    const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
+    const auto patch =
+        numbers_of(surface_patch, triangles.size(), static_cast<std::int64_t>(triangles.size()), "surface_patch");
+    const auto segments = cells_of<2>(surface_segments, on.size(), "surface_segments");
+    const auto curve =
+        numbers_of(surface_curve, segments.size(), static_cast<std::int64_t>(segments.size()), "surface_curve");
+    const std::int64_t patches = pieces(patch, "surface_patch"), curves = pieces(curve, "surface_curve");
+
+    const auto at = points_of(points);
+    const auto cells = cells_of<4>(tets, at.size(), "tets");
+    const auto region = numbers_of(regions, cells.size(), std::numeric_limits<int>::max(), "regions");
+    const auto role = strata_of(stratum, at.size());
+    const auto owner = labels_of(label, at.size(), "label");
+    const auto wanted = sizes_of(size, at.size(), "size");
+    const auto sheet = cells_of<3>(facets, at.size(), "facets");
+    const auto sheet_patch = numbers_of(facet_patch, sheet.size(), patches, "facet_patch");
+    const auto edges = cells_of<2>(creases, at.size(), "creases");
+    const auto edge_curve = numbers_of(crease_curve, edges.size(), curves, "crease_curve");
+    for (std::size_t v = 0; v < at.size(); ++v) {
+        const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
+        const std::int64_t count = role[v] == Stratum::patch ? patches : curves;
+        if (slides && (owner[v] < 0 || owner[v] >= count))
+            refuse("label of point " + std::to_string(v) + " is " + std::to_string(owner[v]) + "; there are " +
+                   std::to_string(count) + (role[v] == Stratum::patch ? " patches" : " curves"));
+    }
+    expect_conforming(at, cells, sheet, edges);
+    if (!(tolerance > 0.0) || !(shell > 0.0))
+        refuse("tolerance is " + std::to_string(tolerance) + " and shell is " + std::to_string(shell) +
+               "; both must be positive");
+    if (!(margin >= 0.0 && margin < 1.0 / 3.0))
+        refuse("margin is " + std::to_string(margin) + "; it must lie in 0..1/3, the value of the regular tet");
+    if (passes < 0 || kicks < 0)
+        refuse("passes is " + std::to_string(passes) + " and kicks is " + std::to_string(kicks) +
+               "; neither may be negative");
+
+    TetComplex complex;
+    const SurfaceGuide guide(on, triangles, patch, segments, curve, tolerance, shell);
+    for (std::size_t v = 0; v < at.size(); ++v) {
+        const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
+        complex.add_vertex({at[v], role[v], slides ? static_cast<int>(owner[v]) : -1, wanted[v], at[v]});
+    }
+    for (std::size_t t = 0; t < cells.size(); ++t)
+        complex.add_tet(cells[t], region[t], 0.0);
+    for (std::size_t k = 0; k < sheet.size(); ++k)
+        complex.add_facet(sorted(sheet[k][0], sheet[k][1], sheet[k][2]), sheet_patch[k]);
+    for (std::size_t k = 0; k < edges.size(); ++k)
+        complex.add_crease(sorted(edges[k][0], edges[k][1]), edge_curve[k]);
+
+    SearchOptions options;
+    options.acute = acute;
+    options.margin = margin;
+    options.flip_surface = flip_surface;
+    options.split_surface = split_surface;
+    options.passes = passes;
+    options.kicks = kicks;
+    options.seed = seed;
+    SearchOutcome outcome;
+    {
+        nb::gil_scoped_release release;
+        Search search(complex, guide, options);
+        outcome =
+            search.run([&](const char *phase, double done, int bad) { return goes_on(progress, phase, done, bad); });
+    }
+    return to_python(complex, outcome);
+}
+
 } // namespace
 
 void bind_search(nb::module_ &m) {
@@ -157,9 +210,9 @@ void bind_search(nb::module_ &m) {
           nb::arg("stratum"), nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"),
           nb::arg("creases"), nb::arg("crease_curve"), nb::arg("surface_points"), nb::arg("surface_triangles"),
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
-          nb::arg("tolerance"), nb::arg("shell"), nb::arg("acute"), nb::arg("margin"),
-          nb::arg("flip_surface"), nb::arg("split_surface"), nb::arg("passes"),
-          nb::arg("kicks"), nb::arg("seed"), nb::arg("progress").none());
+          nb::arg("tolerance"), nb::arg("shell"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"),
+          nb::arg("split_surface"), nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"),
+          nb::arg("progress") = nb::none());
 }
 
 } // namespace wct

@@ -1,3 +1,4 @@
+#include "bind_arrays.h"
 #include "bindings.h"
 #include "energy.h"
 #include "monitor.h"
@@ -9,14 +10,12 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace nb = nanobind;
@@ -25,85 +24,12 @@ namespace wct {
 
 namespace {
 
-using Array = nb::ndarray<nb::ro, nb::device::cpu, nb::c_contig>;
-
-std::string shape_of(const Array &array) {
-    std::string out = "(";
-    for (std::size_t i = 0; i < array.ndim(); ++i)
-        out += (i ? ", " : "") + std::to_string(array.shape(i));
-    return out + ")";
-}
-
-/// The rows of a (n,) array (columns = 0) or a (n, columns) array, of this type exactly; ValueError otherwise.
-template <class T> std::span<const T> rows(const Array &array, std::size_t columns, const char *name) {
-    if (array.dtype() != nb::dtype<T>())
-        throw nb::value_error((std::string(name) + " must hold " + (std::is_floating_point_v<T> ? "float" : "int") +
-                               std::to_string(8 * sizeof(T)))
-                                  .c_str());
-    if (array.ndim() != (columns ? 2 : 1) || (columns && array.shape(1) != columns))
-        throw nb::value_error((std::string(name) + " has shape " + shape_of(array) + "; allowed is (n" +
-                               (columns ? ", " + std::to_string(columns) : ",") + ")")
-                                  .c_str());
-    return {static_cast<const T *>(array.data()), array.size()};
-}
-
-void expect_length(std::size_t length, std::size_t expected, const char *name) {
-    if (length != expected)
-        throw nb::value_error(
-            (std::string(name) + " has length " + std::to_string(length) + "; it must be " + std::to_string(expected))
-                .c_str());
-}
-
-std::vector<Vec3> points_of(const Array &array) {
-    const auto values = rows<double>(array, 3, "points");
-    std::vector<Vec3> out(values.size() / 3);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        out[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-        if (!std::isfinite(out[i].x) || !std::isfinite(out[i].y) || !std::isfinite(out[i].z))
-            throw nb::value_error(("point " + std::to_string(i) + " is not finite").c_str());
-    }
-    if (out.size() >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw nb::value_error("too many points");
-    return out;
-}
-
-template <std::size_t corners>
-std::vector<std::array<std::int32_t, corners>> cells_of(const Array &array, std::size_t points, const char *name) {
-    const auto values = rows<std::int64_t>(array, corners, name);
-    std::vector<std::array<std::int32_t, corners>> out(values.size() / corners);
-    if (out.size() >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw nb::value_error((std::string("too many ") + name).c_str());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i] < 0 || values[i] >= static_cast<std::int64_t>(points))
-            throw nb::value_error((std::string(name) + " names point " + std::to_string(values[i]) + "; there are " +
-                                   std::to_string(points))
-                                      .c_str());
-        out[i / corners][i % corners] = static_cast<std::int32_t>(values[i]);
-    }
-    return out;
-}
-
-std::vector<std::int64_t> labels_of(const Array &array, std::size_t length, const char *name) {
-    const auto values = rows<std::int64_t>(array, 0, name);
-    expect_length(values.size(), length, name);
-    return {values.begin(), values.end()};
-}
-
 int sign_of(const std::vector<Vec3> &points, const Tet &tet) {
     const auto corner = [&](std::size_t i) -> const Vec3 & { return points[static_cast<std::size_t>(tet[i])]; };
     return orient3d(corner(0), corner(1), corner(2), corner(3));
 }
 
-/// A new NumPy array that owns its values.
-template <class T, class... Shape> auto fresh(std::unique_ptr<T[]> values, Shape... shape) {
-    T *data = values.get();
-    nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<T *>(p); });
-    values.release();
-    return nb::ndarray<nb::numpy, T, nb::ndim<sizeof...(Shape)>, nb::c_contig>(
-        data, {static_cast<std::size_t>(shape)...}, owner);
-}
-
-auto fresh(std::span<const Vec3> points) {
+auto fresh_points(std::span<const Vec3> points) {
     auto values = std::make_unique<double[]>(3 * points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         values[3 * i] = points[i].x;
@@ -160,7 +86,7 @@ nb::tuple tet_energy(const Array &points, const Array &tets, double margin3, dou
             }
         }
     }
-    return nb::make_tuple(fresh(std::move(energies), cells.size()), fresh(std::span<const Vec3>(gradient)));
+    return nb::make_tuple(fresh(std::move(energies), cells.size()), fresh_points(std::span<const Vec3>(gradient)));
 }
 
 nb::tuple star_energy(const Array &points, const Array &tets, std::int64_t point, double margin3, double power3,
@@ -200,22 +126,10 @@ auto orientation(const Array &points, const Array &tets) {
     return fresh(std::move(signs), cells.size());
 }
 
-std::vector<Stratum> strata_of(const Array &array, std::size_t count) {
-    const auto values = rows<std::int8_t>(array, 0, "stratum");
-    expect_length(values.size(), count, "stratum");
-    std::vector<Stratum> out;
-    for (const auto value : values) {
-        if (value < 0 || value > 3)
-            throw nb::value_error(("stratum " + std::to_string(value) + "; allowed are 0, 1, 2 and 3").c_str());
-        out.push_back(static_cast<Stratum>(value));
-    }
-    return out;
-}
-
 nb::tuple move_vertices(const Array &points, const Array &tets, const Array &stratum, const Array &label,
                         const Array &triangles, const Array &triangle_patch, const Array &segments,
                         const Array &segment_curve, const std::string &goal, double margin, int effort,
-                        double tolerance, const std::optional<nb::callable> &progress) {
+                        double tolerance, const nb::object &progress) {
     Problem problem;
     problem.points = points_of(points);
     const std::size_t size = problem.points.size();
@@ -238,18 +152,7 @@ nb::tuple move_vertices(const Array &points, const Array &tets, const Array &str
         if (sign_of(problem.points, problem.tets[t]) <= 0)
             throw nb::value_error(("tet " + std::to_string(t) + " is inverted or flat").c_str());
 
-    Monitor monitor([&](double done, std::int64_t bad) {
-        nb::gil_scoped_acquire acquire;
-        if (PyErr_CheckSignals() != 0)
-            throw nb::python_error();
-        if (!progress)
-            return true;
-        const nb::object answer = (*progress)(std::min(done, 1.0), bad);
-        const int truth = answer.is_none() ? 1 : PyObject_IsTrue(answer.ptr()); // a listener that says nothing goes on
-        if (truth < 0)
-            throw nb::python_error();
-        return truth != 0;
-    });
+    Monitor monitor([&](double done, std::int64_t bad) { return goes_on(progress, std::min(done, 1.0), bad); });
     const Aim aim{goal == "3wc" ? Goal::well_centered : Goal::completely_well_centered, margin, effort, tolerance};
     const auto count = static_cast<std::int64_t>(problem.tets.size());
     Result result;
@@ -265,7 +168,7 @@ nb::tuple move_vertices(const Array &points, const Array &tets, const Array &str
     report["worst_before"] = result.before.worst;
     report["worst_after"] = result.after.worst;
     report["stopped"] = monitor.stopped();
-    return nb::make_tuple(fresh(std::span<const Vec3>(result.points)), report);
+    return nb::make_tuple(fresh_points(std::span<const Vec3>(result.points)), report);
 }
 
 } // namespace

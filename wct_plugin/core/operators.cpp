@@ -326,8 +326,8 @@ bool Operators::collapse(int a, int b, double slack) {
             return false;
         if (complex_.vertex(b).stratum < gone.stratum || !ring(a, b, ring_))
             return false;
-        const bool along = std::any_of(ring_.link.begin(), ring_.link.end(),
-                                       [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
+        const bool along =
+            std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
         if (!along || !collapse_links(a, b, ring_))
             return false;
         surface_at(a, facets, patches);

@@ -16,9 +16,9 @@ struct Ring {
     bool closed = true;
 };
 
-/// Changes of connectivity. Each is refused (false, nothing changed) if it would leave a flat or inverted tet, a surface
-/// facet off its patch by more than the tolerance, a crease off its curve, a pinched surface, or raise the energy by
-/// `slack` or more. Surface facets keep their patch, crease edges their curve, tets their region, on hull and
+/// Changes of connectivity. Each is refused (false, nothing changed) if it would leave a flat or inverted tet, a
+/// surface facet off its patch by more than the tolerance, a crease off its curve, a pinched surface, or raise the
+/// energy by `slack` or more. Surface facets keep their patch, crease edges their curve, tets their region, on hull and
 /// interfaces alike. Changes are journaled; vertices whose star changed are added to `touched`.
 class Operators {
   public:

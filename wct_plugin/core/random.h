@@ -25,9 +25,7 @@ class Random {
     }
 
     /// 0 .. count - 1; the bias below 2^-32 does not matter here.
-    int below(int count) {
-        return static_cast<int>((next() >> 32) * static_cast<std::uint64_t>(count) >> 32);
-    }
+    int below(int count) { return static_cast<int>((next() >> 32) * static_cast<std::uint64_t>(count) >> 32); }
 
     bool coin() { return next() >> 63; }
 

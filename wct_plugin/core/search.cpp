@@ -11,7 +11,11 @@ constexpr double kAny = 1e-7; // an energy drop worth keeping
 /// The two forms the search alternates between: a broad one that pulls, and one close to counting.
 SearchForm broad_form(bool acute) {
     SearchForm form;
-    form.shape = {.margin3 = 0.06, .power3 = 1.5, .margin2 = 0.04, .power2 = 2.0, .weight2 = acute ? 0.5 : 0.0,
+    form.shape = {.margin3 = 0.06,
+                  .power3 = 1.5,
+                  .margin2 = 0.04,
+                  .power2 = 2.0,
+                  .weight2 = acute ? 0.5 : 0.0,
                   .weight_quality = 0.0};
     form.count = 0.05;
     return form;
@@ -19,7 +23,11 @@ SearchForm broad_form(bool acute) {
 
 SearchForm sharp_form(bool acute, double margin3 = 0.03, double margin2 = 0.02) {
     SearchForm form;
-    form.shape = {.margin3 = margin3, .power3 = 1.0, .margin2 = margin2, .power2 = 2.0, .weight2 = acute ? 0.5 : 0.0,
+    form.shape = {.margin3 = margin3,
+                  .power3 = 1.0,
+                  .margin2 = margin2,
+                  .power2 = 2.0,
+                  .weight2 = acute ? 0.5 : 0.0,
                   .weight_quality = 0.0};
     form.count = 0.3;
     return form;
@@ -97,7 +105,8 @@ void Search::relax_touched(const Recipe &recipe) {
             flip_round(vertices);
             vertices = operators_.touched;
         }
-        if (round > 0 && before - complex_.total() < 1e-4 * std::abs(before - (complex_.total() - complex_.gain())) + 1e-10)
+        if (round > 0 &&
+            before - complex_.total() < 1e-4 * std::abs(before - (complex_.total() - complex_.gain())) + 1e-10)
             break;
     }
 }
@@ -120,8 +129,8 @@ bool Search::random_operator(int t, double slack) {
     case 6:
         return operators_.split(a, b, slack).has_value();
     default: {
-        const Vec3 middle = 0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) +
-                                    complex_.point(tet[3]));
+        const Vec3 middle =
+            0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
         return operators_.insert(t, middle, slack).has_value();
     }
     }

@@ -10,12 +10,12 @@
 namespace wct {
 
 struct SearchOptions {
-    bool acute = true;   // aim at CWC; otherwise at 3WC alone
+    bool acute = true;    // aim at CWC; otherwise at 3WC alone
     double margin = 0.02; // clearance in h/R and cosine the polish aims at
     bool flip_surface = true;
     bool split_surface = true;
-    int passes = 12;     // greatest number of sweeps over all tets that fall short
-    long kicks = 20000;  // greatest number of tries of the iterated local search
+    int passes = 12;    // greatest number of sweeps over all tets that fall short
+    long kicks = 20000; // greatest number of tries of the iterated local search
     std::uint64_t seed = 0;
 };
 

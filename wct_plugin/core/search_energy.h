@@ -8,8 +8,8 @@
 
 namespace wct {
 
-/// What the search minimises: the smooth penalties, a term against needle-like angles (without it, edges clump when only
-/// h/R is penalised), and a count of the tets that miss the goal by less than `clearance`.
+/// What the search minimises: the smooth penalties, a term against needle-like angles (without it, edges clump when
+/// only h/R is penalised), and a count of the tets that miss the goal by less than `clearance`.
 struct SearchForm {
     EnergyForm shape;
     double needle_cosine = 0.9; // angles below 25.8 degrees

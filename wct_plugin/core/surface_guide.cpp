@@ -8,9 +8,19 @@ namespace {
 constexpr double kFlat = 1e-9; // of the patch's extent: what counts as planar or straight
 
 /// Where a facet is held against the surface: centroid, edges at quarters, and inner points.
-constexpr double kWeights[SurfaceGuide::kSamples][3] = {{1. / 3, 1. / 3, 1. / 3}, {.5, .5, 0}, {0, .5, .5}, {.5, 0, .5}, {.5, .25, .25},
-                                    {.25, .5, .25}, {.25, .25, .5}, {.75, .25, 0}, {.25, .75, 0}, {0, .75, .25},
-                                    {0, .25, .75}, {.75, 0, .25}, {.25, 0, .75}};
+constexpr double kWeights[SurfaceGuide::kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
+                                                        {.5, .5, 0},
+                                                        {0, .5, .5},
+                                                        {.5, 0, .5},
+                                                        {.5, .25, .25},
+                                                        {.25, .5, .25},
+                                                        {.25, .25, .5},
+                                                        {.75, .25, 0},
+                                                        {.25, .75, 0},
+                                                        {0, .75, .25},
+                                                        {0, .25, .75},
+                                                        {.75, 0, .25},
+                                                        {.25, 0, .75}};
 
 Vec3 blend(const double weights[3], const Vec3 &p, const Vec3 &q, const Vec3 &r) {
     return weights[0] * p + weights[1] * q + weights[2] * r;

@@ -12,8 +12,8 @@ namespace wct {
 /// vertices are free in a shell round the surface, so that facets can cut through it and keep the volume.
 class SurfaceGuide {
   public:
-    /// `patch` and `curve` number from 0. `tolerance` is a length; vertices of curved patches stay within `shell` of the
-    /// surface, facets within `tolerance`.
+    /// `patch` and `curve` number from 0. `tolerance` is a length; vertices of curved patches stay within `shell` of
+    /// the surface, facets within `tolerance`.
     SurfaceGuide(const std::vector<Vec3> &points, const std::vector<Facet> &triangles, const std::vector<int> &patch,
                  const std::vector<Edge> &segments, const std::vector<int> &curve, double tolerance, double shell);
 

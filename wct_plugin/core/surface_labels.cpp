@@ -18,8 +18,7 @@ int patch_of(const Cloud &cloud, const Reference &reference, const Facet &facet)
     }
     if (shared.size() == 1)
         return shared[0];
-    const Vec3 middle =
-        (1.0 / 3.0) * (cloud.points[facet[0]] + cloud.points[facet[1]] + cloud.points[facet[2]]);
+    const Vec3 middle = (1.0 / 3.0) * (cloud.points[facet[0]] + cloud.points[facet[1]] + cloud.points[facet[2]]);
     if (shared.empty())
         return reference.data().patch[reference.nearest(middle).triangle];
     return *std::min_element(shared.begin(), shared.end(), [&](int a, int b) {

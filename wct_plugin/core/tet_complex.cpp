@@ -4,7 +4,9 @@
 
 namespace wct {
 
-Edge sorted(int a, int b) { return a < b ? Edge{a, b} : Edge{b, a}; }
+Edge sorted(int a, int b) {
+    return a < b ? Edge{a, b} : Edge{b, a};
+}
 
 Facet sorted(int a, int b, int c) {
     if (a > b)
@@ -47,7 +49,8 @@ int TetComplex::across(int t, int a, int b, int c) const {
 
 int TetComplex::patch_of(int a, int b, int c) const {
     // Three surface vertices are rare inside, and the look-up is not free.
-    if (vertices_[a].stratum == Stratum::interior || vertices_[b].stratum == Stratum::interior || vertices_[c].stratum == Stratum::interior)
+    if (vertices_[a].stratum == Stratum::interior || vertices_[b].stratum == Stratum::interior ||
+        vertices_[c].stratum == Stratum::interior)
         return -1;
     const auto found = surface_.find(sorted(a, b, c));
     return found == surface_.end() ? -1 : found->second.patch;
@@ -68,7 +71,9 @@ int TetComplex::off_facets(const Tet &tet) const {
     return count;
 }
 
-bool TetComplex::off(const Facet &key) const { return surface_.at(key).off; }
+bool TetComplex::off(const Facet &key) const {
+    return surface_.at(key).off;
+}
 
 void TetComplex::set_off(const Facet &key, bool off) {
     SurfaceFacet &facet = surface_.at(key);
@@ -186,7 +191,9 @@ void TetComplex::remove_crease(const Edge &key) {
     creases_.erase(found);
 }
 
-void TetComplex::mark() { marks_.push_back({journal_.size(), total_}); }
+void TetComplex::mark() {
+    marks_.push_back({journal_.size(), total_});
+}
 
 void TetComplex::commit() {
     marks_.pop_back();

@@ -23,9 +23,9 @@ struct KeyHash {
 struct Vertex {
     Vec3 position;
     Stratum stratum = Stratum::interior;
-    int label = -1;     // patch of a Stratum::patch vertex, curve of a Stratum::crease vertex
-    double size = 0.0;  // edge length wanted here
-    Vec3 home;          // where a corner came from
+    int label = -1;    // patch of a Stratum::patch vertex, curve of a Stratum::crease vertex
+    double size = 0.0; // edge length wanted here
+    Vec3 home;         // where a corner came from
 };
 
 /// A tetrahedral mesh under change. Surface facets (the boundary and the interfaces between regions) know their patch,
