@@ -1,0 +1,180 @@
+"""The local search: fewer bad tets, and whatever happens a valid mesh with the surface it had."""
+
+import numpy as np
+import pytest
+from builders import ball, jittered_cube
+
+from wct_plugin import _core, quality
+from wct_plugin.reference import own_boundary
+from wct_plugin.surface import enclosed_volume
+from wct_plugin.topology import Topology
+
+
+def arguments(mesh, *, pinned=False):
+    """What ``search_well_centered`` takes, for a mesh that stays near its own boundary."""
+    own = own_boundary(mesh, 40.0)
+    of = own.strata
+    return {
+        "points": mesh.points,
+        "tets": mesh.tets,
+        "regions": np.searchsorted(own.regions, mesh.regions),
+        "stratum": np.where(of.stratum > 0, 3, 0).astype(np.int8) if pinned else of.stratum,
+        "label": of.label,
+        "size": np.full(len(mesh.points), 0.3),
+        "facets": of.triangles,
+        "facet_patch": of.patch,
+        "creases": of.segments,
+        "crease_curve": of.curve,
+        "surface_points": mesh.points,
+        "surface_triangles": of.triangles,
+        "surface_patch": of.patch,
+        "surface_segments": of.segments,
+        "surface_curve": of.curve,
+    }
+
+
+def search(mesh, *, pinned=False, change=None, **options):
+    settings = {
+        "tolerance": 0.05,
+        "shell": 0.05,
+        "acute": True,
+        "margin": 0.02,
+        "flip_surface": True,
+        "split_surface": True,
+        "passes": 2,
+        "kicks": 8,
+        "seed": 0,
+    }
+    return _core.search_well_centered(**(arguments(mesh, pinned=pinned) | (change or {})), **(settings | options))
+
+
+def bad(points, tets):
+    values = quality.heights_over_radius(points, tets).min(axis=1)
+    return int(((values <= 0) | (quality.face_angles(points, tets).max(axis=1) >= 90 - 1e-9)).sum())
+
+
+def rows(cells):
+    return {tuple(row) for row in np.sort(cells, axis=1).tolist()}
+
+
+def places(points, cells):
+    """Cells by where their points are, not by number."""
+    return {tuple(sorted(map(tuple, points[cell].tolist()))) for cell in cells}
+
+
+def check_valid(found):
+    assert (_core.orientation(found["points"], found["tets"]) == 1).all()
+    topology = Topology(found["tets"], found["regions"], len(found["points"]))
+    assert rows(topology.boundary) == rows(found["facets"])  # raises where a facet belongs to three tets
+    ends = topology.boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    assert (np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)[1] == 2).all()
+    assert np.array_equal(np.unique(found["tets"]), np.arange(len(found["points"])))
+    assert (found["stratum"][found["facets"]] > 0).all()
+    assert rows(found["creases"]) <= rows(topology.edges)
+
+
+@pytest.mark.parametrize("mesh", [jittered_cube(3, 1), ball(3)], ids=["cube", "ball"])
+def test_fewer_tets_are_bad_and_the_mesh_is_valid(mesh):
+    found = search(mesh)
+    check_valid(found)
+    assert found["bad"] < bad(mesh.points, mesh.tets)
+    assert found["bad"] == pytest.approx(bad(found["points"], found["tets"]), abs=1)
+    assert found["passes"] <= 2
+    assert found["evaluations"] > 0
+
+
+def test_flat_faces_keep_the_volume_and_the_box():
+    mesh = jittered_cube(3, 2)
+    found = search(mesh)
+    assert quality.volumes(found["points"], found["tets"]).sum() == pytest.approx(1.0, abs=1e-12)
+    triangles = Topology(found["tets"], found["regions"], len(found["points"])).boundary
+    assert enclosed_volume(found["points"], triangles) == pytest.approx(1.0, abs=1e-12)
+    assert np.abs(np.clip(found["points"], 0, 1) - found["points"]).max() <= 1e-12
+
+
+def test_the_same_bits_twice():
+    mesh = jittered_cube(3, 3)
+    first, second = search(mesh, seed=4), search(mesh, seed=4)
+    assert first.keys() == second.keys()
+    for name, value in first.items():
+        assert np.array_equal(value, second[name]), name
+
+
+def test_the_input_stays_as_it_is():
+    mesh = jittered_cube(3, 3)
+    before = {name: values.copy() for name, values in arguments(mesh).items()}
+    search(mesh)
+    for name, values in arguments(mesh).items():
+        assert np.array_equal(values, before[name]), name
+
+
+def test_progress_can_stop_it():
+    mesh = jittered_cube(3, 4)
+    heard = []
+
+    def listen(phase, done, count):
+        heard.append((phase, done, count))
+        return len(heard) < 2
+
+    found = search(mesh, progress=listen)
+    assert len(heard) == 2
+    assert found["stopped"]
+    assert heard[0][0] == "passes"
+    assert found["bad"] <= heard[0][2] == bad(mesh.points, mesh.tets)
+    check_valid(found)
+
+
+def test_a_listener_that_says_nothing_does_not_stop_it():
+    assert not search(jittered_cube(3, 4), passes=1, kicks=0, progress=lambda *_: None)["stopped"]
+
+
+def test_an_exception_in_progress_comes_through():
+    def fail(phase, done, count):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        search(jittered_cube(3, 4), progress=fail)
+
+
+def test_without_flips_and_splits_boundary_facets_stay():
+    mesh = jittered_cube(3, 5)
+    found = search(mesh, pinned=True, flip_surface=False, split_surface=False)
+    check_valid(found)
+    assert places(found["points"], found["facets"]) == places(mesh.points, mesh.topology.boundary)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"points": np.zeros((64, 2))}, r"points has shape \(64, 2\); allowed is \(n, 3\)"),
+        ({"points": np.full((64, 3), np.nan)}, "point 0 is not finite"),
+        ({"tets": np.array([[0, 1, 2, 64]])}, "tets names point 64; there are 64"),
+        ({"regions": np.zeros(3, dtype=np.int64)}, "regions has length 3"),
+        ({"stratum": np.full(64, 4, dtype=np.int8)}, "stratum 4; allowed are 0, 1, 2 and 3"),
+        ({"label": np.full(64, 99)}, "label of point .* is 99; there are "),
+        ({"size": np.zeros(64)}, "size holds 0.0+; it must be positive"),
+        ({"facets": np.zeros((0, 3), dtype=np.int64)}, "facet_patch has length"),
+        ({"creases": np.array([[0, 64]])}, "creases names point 64"),
+        ({"surface_triangles": np.array([[0, 1, 64]])}, "surface_triangles names point 64"),
+        ({"surface_segments": np.zeros((2, 3), dtype=np.int64)}, "surface_segments has shape"),
+    ],
+)
+def test_bad_arrays_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        search(jittered_cube(3, 6), change=change)
+
+
+def test_a_missing_boundary_facet_and_inverted_tets_are_refused():
+    mesh = jittered_cube(3, 6)
+    given = arguments(mesh)
+    less = {"facets": given["facets"][1:], "facet_patch": given["facet_patch"][1:]}
+    with pytest.raises(ValueError, match=r"facets: boundary facet \(.*\) is missing"):
+        search(mesh, change=less)
+    with pytest.raises(ValueError, match="tet 0 is inverted or flat"):
+        search(mesh, change={"tets": mesh.tets[:, [0, 1, 3, 2]].copy()})
+
+
+@pytest.mark.parametrize("option", [{"tolerance": 0.0}, {"shell": -1.0}, {"margin": 0.4}, {"passes": -1}])
+def test_bad_options_are_refused(option):
+    with pytest.raises(ValueError, match=next(iter(option))):
+        search(jittered_cube(3, 6), **option)

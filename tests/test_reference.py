@@ -1,0 +1,46 @@
+"""What a resampled mesh is held against: how exact it is, and what is mended in a surface from elsewhere."""
+
+import numpy as np
+import pytest
+from builders import ball, kuhn_cube, sphere_surface, two_region_cube
+
+from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.reference import TOLERANCE, given_surface, own_boundary
+from wct_plugin.surface import enclosed_volume
+
+
+@pytest.mark.parametrize("count", [100, 400])
+def test_the_tolerance_of_a_sphere_is_about_its_sag(count):
+    surface = sphere_surface(count)
+    reference = given_surface(surface, ball(3), 60.0)
+    sag = 1.0 - np.linalg.norm(surface.points[surface.triangles].mean(axis=1), axis=1)
+    assert 0.7 * sag.max() <= reference.auto_tolerance() * reference.diagonal <= 2.0 * sag.max()
+
+
+def test_flat_faces_have_the_least_tolerance():
+    assert own_boundary(kuhn_cube(3), 40.0).auto_tolerance() == TOLERANCE
+
+
+def test_sides_of_an_interface():
+    reference = own_boundary(two_region_cube(2), 40.0)
+    assert np.array_equal(reference.regions, [1, 2])
+    inner = reference.sides[:, 1] >= 0
+    assert inner.sum() == 1
+    assert sorted(reference.sides[inner][0]) == [0, 1]
+    assert len(reference.corners) == 12
+
+
+def test_a_given_surface_is_cleaned():
+    whole = sphere_surface(80)
+    soup = whole.points[whole.triangles].reshape(-1, 3)
+    triangles = np.arange(len(soup)).reshape(-1, 3)
+    flat = [[0, 1, 0], [3, 3, 4]]
+    twice = triangles[:1]
+    given = SurfaceMesh(soup, np.concatenate([triangles[:, ::-1], flat, twice]))
+    reference = given_surface(given, ball(3), 60.0)
+    assert len(reference.points) == 80
+    assert len(reference.strata.triangles) == len(whole.triangles)
+    outward = enclosed_volume(whole.points, whole.triangles)
+    assert enclosed_volume(reference.points, reference.strata.triangles) == pytest.approx(outward, rel=1e-12)
+    assert (reference.strata.patch == 0).all()
+    assert np.array_equal(reference.sides, [[0, -1]])
