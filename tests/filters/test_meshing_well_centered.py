@@ -1,0 +1,184 @@
+"""All tets become well-centered and the domain stays what it was; the counts come from quality.py."""
+
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+from builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
+
+from wct_plugin import apply_filter, quality
+from wct_plugin.deviation import deviation
+from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+
+SPHERE = sphere_surface(2000)
+
+
+def run(mesh, **options):
+    return apply_filter("meshing_well_centered", mesh, **options)
+
+
+def stop_after(calls):
+    heard = []
+    return lambda state: not heard.append(state) and len(heard) < calls
+
+
+def euler(mesh):
+    facets = (4 * len(mesh.tets) + len(mesh.topology.boundary)) // 2
+    return len(mesh.points) - len(mesh.topology.edges) + facets - len(mesh.tets)
+
+
+def area(points, triangles):
+    corners = points[triangles]
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+
+
+def region_volumes(mesh):
+    volumes = quality.volumes(mesh.points, mesh.tets)
+    return {int(tag): volumes[mesh.regions == tag].sum() for tag in np.unique(mesh.regions)}
+
+
+def check_domain(old, new):
+    ends = np.sort(new.topology.boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert (np.unique(ends, axis=0, return_counts=True)[1] == 2).all()
+    assert new.topology.components.max() == old.topology.components.max()
+    assert euler(new) == euler(old)
+    assert not new.repairs
+
+
+def places(points, cells):
+    return {tuple(sorted(map(tuple, points[cell].tolist()))) for cell in cells}
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [kuhn_cube(5), TetMesh(kuhn_cube(5).points @ rotation(3).T, kuhn_cube(5).tets), l_shape(4)],
+    ids=["cube", "turned cube", "L"],
+)
+def test_flat_domains_become_well_centered_and_keep_their_volume(mesh):
+    better, metrics = run(mesh, goal="3wc")
+    assert metrics["bad"] == 0
+    assert metrics["tets"] == len(better.tets)
+    assert quality.measure(better).well_centered_3.all()
+    check_domain(mesh, better)
+    assert region_volumes(better)[0] == pytest.approx(region_volumes(mesh)[0], rel=1e-12)
+    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+
+
+def test_a_ball_becomes_completely_well_centered_within_the_tolerance_of_a_surface():
+    mesh = ball(5)
+    before = mesh.points.copy(), mesh.tets.copy()
+    better, metrics = run(mesh, reference=SPHERE, tolerance=5e-3)
+    assert metrics["bad"] == 0
+    assert metrics["tolerance"] == pytest.approx(5e-3)
+    assert quality.measure(better).completely_well_centered.all()
+    check_domain(mesh, better)
+    assert deviation(better.boundary_surface(), SPHERE).max <= 5e-3 * SPHERE.diagonal
+    assert better.reference is SPHERE
+    assert np.array_equal(mesh.points, before[0])
+    assert np.array_equal(mesh.tets, before[1])
+
+
+def test_a_cylinder_stays_within_the_tolerance():
+    mesh = cylinder(32, 10)
+    better, _ = run(mesh, goal="3wc", tolerance=1e-2)
+    assert quality.measure(better).well_centered_3.all()
+    check_domain(mesh, better)
+    surface = mesh.boundary_surface()
+    assert deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
+
+
+def test_regions_and_their_interface_are_kept():
+    mesh = two_region_cube(4)
+    better, _ = run(mesh, progress=stop_after(12))
+    check_domain(mesh, better)
+    assert region_volumes(better) == pytest.approx(region_volumes(mesh), rel=1e-12)
+    assert area(better.points, better.topology.interfaces) == pytest.approx(1.0, rel=1e-12)
+    assert (np.abs(better.points[better.topology.interfaces][:, :, 2] - 0.5) < 1e-12).all()
+
+
+def test_tags_and_data_are_carried():
+    mesh = kuhn_cube(5)
+    triangles = mesh.topology.boundary
+    middle = mesh.points[triangles].mean(axis=1)
+    tags = np.select([middle[:, 0] < 1e-9, middle[:, 0] > 1 - 1e-9], [1, 2], 3)
+    right = mesh.points[mesh.tets].mean(axis=1)[:, 0] > 0.5
+    mesh = replace(
+        mesh,
+        facets=Cells(triangles, tags),
+        point_data={"u": mesh.points @ [1.0, 2.0, -1.0], "id": np.arange(len(mesh.points))},
+        cell_data={"right": right},
+        tet_sets={"right": np.flatnonzero(right)},
+        point_sets={"probe": [0]},
+        names={"in": (1, 2)},
+    )
+    with pytest.warns(WctWarning, match="point set 'probe', point data 'id'"):
+        better, _ = run(mesh, goal="3wc")
+    check_domain(mesh, better)
+    for tag, wanted in ((1, 1.0), (2, 1.0), (3, 4.0)):
+        found = better.facets.vertices[better.facets.tags == tag]
+        assert area(better.points, found) == pytest.approx(wanted, rel=1e-12)
+    assert np.allclose(better.point_data["u"], better.points @ [1.0, 2.0, -1.0], atol=1e-12)
+    centers = better.points[better.tets].mean(axis=1)[:, 0]
+    far = np.abs(centers - 0.5) > 0.2
+    assert np.array_equal(better.cell_data["right"][far], (centers > 0.5)[far])
+    assert np.array_equal(better.tet_sets["right"], np.flatnonzero(better.cell_data["right"]))
+    assert dict(better.names) == {"in": (1, 2)}
+
+
+def test_the_same_bits_twice():
+    first, second = (run(ball(4), reference=SPHERE, tolerance=1e-2, seed=3)[0] for _ in range(2))
+    assert np.array_equal(first.points, second.points)
+    assert np.array_equal(first.tets, second.tets)
+
+
+def test_a_fixed_boundary_keeps_its_facets_bit_for_bit():
+    mesh = jittered_cube(3, 1)
+    better, metrics = run(mesh, goal="3wc", boundary="fixed", progress=stop_after(5))
+    assert metrics["stopped"]
+    check_domain(mesh, better)
+    assert places(better.points, better.topology.boundary) == places(mesh.points, mesh.topology.boundary)
+    assert quality.measure(better).well_centered_3.mean() > quality.measure(mesh).well_centered_3.mean()
+
+
+def test_a_kept_boundary_keeps_its_points():
+    mesh = jittered_cube(3, 2)
+    better, _ = run(mesh, goal="3wc", boundary="keep", progress=stop_after(5))
+    check_domain(mesh, better)
+    kept = set(map(tuple, better.points.tolist()))
+    assert set(map(tuple, mesh.points[mesh.topology.boundary_points].tolist())) <= kept
+    assert region_volumes(better)[0] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_reference_may_be_a_file(tmp_path):
+    name = str(tmp_path / "sphere.obj")
+    meshio.write_points_cells(name, SPHERE.points, [("triangle", SPHERE.triangles)])
+    better, _ = run(ball(4), reference=name, tolerance=1e-2, goal="3wc")
+    assert isinstance(better.reference, SurfaceMesh)
+    assert deviation(better.boundary_surface(), SPHERE).max <= 1e-2 * SPHERE.diagonal
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"tolerence": 1e-3}, "unknown option 'tolerence'; did you mean 'tolerance'"),
+        ({"tolerance": 0.5}, "option 'tolerance' is 0.5; input should be less than or equal to 0.1"),
+        ({"goal": "2wc"}, "option 'goal' is '2wc'"),
+        ({"boundary": "slide"}, "option 'boundary' is 'slide'"),
+        ({"edge_length": 0}, "option 'edge_length' is 0; input should be greater than 0"),
+        ({"effort": 0}, "option 'effort' is 0"),
+        ({"reference": 3}, "option 'reference' is 3; must be a SurfaceMesh or the name of a surface file"),
+    ],
+)
+def test_bad_options_are_refused(options, message):
+    with pytest.raises(OptionError, match=message):
+        run(kuhn_cube(2), **options)
+
+
+def test_an_exception_in_progress_comes_through():
+    def fail(state):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(kuhn_cube(2), progress=fail)
