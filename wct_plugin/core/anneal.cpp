@@ -91,7 +91,7 @@ class Search {
         const double limit = before - temperature * std::log(1.0 - random_.uniform());
         x = domain_.retract(point, from + reach * direction);
         load_star(mesh_, point, lanes_);
-        if (cost_of_star(point, limit, work)) {
+        if (cost_of_star(point, limit, work) && domain_.admit(point, mesh_.points)) {
             for (std::size_t k = 0; k < around.size(); ++k)
                 state_[static_cast<std::size_t>(around[k].tet)] = trial_[k];
             reach = std::min(1.1 * reach, 0.5 * mesh_.size(point));

@@ -64,6 +64,35 @@ template <std::size_t corners> class BoundingTree {
         return best;
     }
 
+    /// From the closest point of the piece to x.
+    Vec3 gap(std::int32_t piece, const Vec3 &x) const {
+        return x - closest_on(pieces_[static_cast<std::size_t>(piece)], x);
+    }
+
+    /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first.
+    std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
+        if (reaches(guess, x, distance))
+            return guess;
+        std::array<std::int32_t, 64> stack;
+        std::size_t size = 0;
+        stack[size++] = 0;
+        while (size) {
+            const std::int32_t index = stack[--size];
+            const Node &node = nodes_[static_cast<std::size_t>(index)];
+            if (node.squared_distance(x) > distance)
+                continue;
+            if (node.right >= 0) {
+                stack[size++] = node.right;
+                stack[size++] = index + 1;
+                continue;
+            }
+            for (std::int32_t i = node.first; i < node.last; ++i)
+                if (reaches(i, x, distance))
+                    return i;
+        }
+        return -1;
+    }
+
   private:
     static constexpr std::int32_t kLeaf = 4;
 
@@ -80,6 +109,11 @@ template <std::size_t corners> class BoundingTree {
             return dot(d, d);
         }
     };
+
+    bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
+        const Vec3 to = gap(piece, x);
+        return dot(to, to) <= distance;
+    }
 
     static Vec3 middle(const Piece &piece) {
         Vec3 sum;

@@ -73,7 +73,8 @@ Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, in
         const double energy = objective.total(mesh, at, raw, work);
         for (std::size_t i = 0; i < count; ++i) {
             const auto p = static_cast<std::size_t>(free[i]);
-            gradient[i] = mesh.size(free[i]) * domain.tangential(free[i], at[p], raw[p]);
+            gradient[i] =
+                domain.watches(free[i]) ? Vec3{} : mesh.size(free[i]) * domain.tangential(free[i], at[p], raw[p]);
         }
         return energy;
     };
@@ -99,7 +100,8 @@ Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, in
         for (int backtrack = 0; backtrack < 20 && !lower; ++backtrack) {
             for (std::size_t i = 0; i < count; ++i) {
                 const auto p = static_cast<std::size_t>(free[i]);
-                at[p] = domain.retract(free[i], mesh.points[p] + (t * mesh.size(free[i])) * d[i]);
+                if (!domain.watches(free[i]))
+                    at[p] = domain.retract(free[i], mesh.points[p] + (t * mesh.size(free[i])) * d[i]);
             }
             trial = evaluate(next);
             lower = trial <= energy + 1e-4 * t * slope && trial < energy;

@@ -214,7 +214,7 @@ std::vector<Stratum> strata_of(const Array &array, std::size_t count) {
 nb::tuple move_vertices(const Array &points, const Array &tets, const Array &stratum, const Array &label,
                         const Array &triangles, const Array &triangle_patch, const Array &segments,
                         const Array &segment_curve, const std::string &goal, double margin, int effort,
-                        const std::optional<nb::callable> &progress) {
+                        double tolerance, const std::optional<nb::callable> &progress) {
     Problem problem;
     problem.points = points_of(points);
     const std::size_t size = problem.points.size();
@@ -231,6 +231,8 @@ nb::tuple move_vertices(const Array &points, const Array &tets, const Array &str
         throw nb::value_error("margin must lie in 0..1/3, the value of the regular tet");
     if (effort < 1 || effort > 1000)
         throw nb::value_error("effort must lie in 1..1000");
+    if (!(tolerance > 0.0))
+        throw nb::value_error("tolerance must be positive");
     for (std::size_t t = 0; t < problem.tets.size(); ++t)
         if (sign_of(problem.points, problem.tets[t]) <= 0)
             throw nb::value_error(("tet " + std::to_string(t) + " is inverted or flat").c_str());
@@ -247,7 +249,7 @@ nb::tuple move_vertices(const Array &points, const Array &tets, const Array &str
             throw nb::python_error();
         return truth != 0;
     });
-    const Aim aim{goal == "3wc" ? Goal::well_centered : Goal::completely_well_centered, margin, effort};
+    const Aim aim{goal == "3wc" ? Goal::well_centered : Goal::completely_well_centered, margin, effort, tolerance};
     const auto count = static_cast<std::int64_t>(problem.tets.size());
     Result result;
     {
@@ -279,5 +281,5 @@ NB_MODULE(_core, m) {
     m.def("orientation", &wct::orientation, "points"_a, "tets"_a);
     m.def("move_vertices", &wct::move_vertices, "points"_a, "tets"_a, "stratum"_a, "label"_a, "triangles"_a,
           "triangle_patch"_a, "segments"_a, "segment_curve"_a, nb::kw_only(), "goal"_a, "margin"_a, "effort"_a,
-          "progress"_a = nb::none());
+          "tolerance"_a = std::numeric_limits<double>::infinity(), "progress"_a = nb::none());
 }

@@ -1,14 +1,25 @@
 #include "projection.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
 namespace wct {
 
 namespace {
+
+// Shares of the tolerance: what edges stay within all along, less than the whole because distance is a little larger
+// the other way; and what the places that are looked at stay within, so that what is between them keeps to the former.
+constexpr double kWithin = 0.95;
+constexpr double kAt = 0.87;
+constexpr int kTurns = 64; // an edge near more pieces than this, one after the other, is refused
+
+double square(double x) {
+    return x * x;
+}
 
 /// How far pieces may lie off a plane or line and still be it: rounding of the coordinates, nothing more.
 template <std::size_t corners> double rounding(const std::vector<std::array<Vec3, corners>> &pieces) {
@@ -56,7 +67,10 @@ template <class... Functions> struct Overload : Functions... {
 
 } // namespace
 
-Domain::Domain(const Problem &problem) : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0) {
+Domain::Domain(const Problem &problem, double tolerance)
+    : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0), within_(square(kWithin * tolerance)),
+      limit_(square(kAt * tolerance)), hardly_(0.5 * (kAt + kWithin) * tolerance),
+      offsets_(problem.points.size() + 1, 0) {
     auto triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
     auto segments = by_label(problem.points, problem.segments, problem.segment_curve);
     std::map<std::int64_t, std::int32_t> patches;
@@ -71,7 +85,7 @@ Domain::Domain(const Problem &problem) : where_(problem.points.size(), kFixed), 
             throw std::invalid_argument(std::string(kind) + " " + std::to_string(label) +
                                         " has points that move but no piece to move on");
         where_[point] = known[label] = static_cast<std::int32_t>(supports_.size());
-        supports_.push_back(support_of(std::move(found->second)));
+        supports_.push_back(support_of(found->second));
     };
     for (std::size_t p = 0; p < problem.points.size(); ++p)
         switch (problem.stratum[p]) {
@@ -87,6 +101,210 @@ Domain::Domain(const Problem &problem) : where_(problem.points.size(), kFixed), 
         case Stratum::fixed:
             break;
         }
+    if (limit_ < std::numeric_limits<double>::infinity())
+        watch(problem, patches, curves);
+}
+
+/// Find what is to be watched: all that has a corner that moves, and a patch or curve that is not flat or straight.
+void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
+                   const std::map<std::int64_t, std::int32_t> &curves) {
+    const auto any_moves = [this](const auto &corners) {
+        return std::any_of(corners.begin(), corners.end(), [this](std::int32_t corner) { return moves(corner); });
+    };
+    // A patch may have moving creases but no moving point of its own.
+    std::map<std::int64_t, std::vector<std::array<Vec3, 3>>> triangles;
+    for (std::size_t i = 0; i < problem.triangles.size(); ++i)
+        if (any_moves(problem.triangles[i]) && !patches.contains(problem.triangle_patch[i])) {
+            if (triangles.empty())
+                triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
+            patches[problem.triangle_patch[i]] = static_cast<std::int32_t>(supports_.size());
+            supports_.push_back(support_of(triangles[problem.triangle_patch[i]]));
+        }
+    std::set<std::array<std::int32_t, 3>> edges;                   // patch, ends
+    std::map<std::array<std::int32_t, 2>, std::int32_t> landmarks; // support, point
+    const auto curved = [this](std::int32_t support) {
+        const Support &s = supports_[static_cast<std::size_t>(support)];
+        return std::holds_alternative<BoundingTree<3>>(s) || std::holds_alternative<BoundingTree<2>>(s);
+    };
+    const auto add = [&](const std::array<std::int32_t, 3> &corners, std::int32_t support, bool covers) {
+        const auto index = static_cast<std::int32_t>(watched_.size());
+        watched_.push_back({corners, support, covers});
+        covered_.emplace_back();
+        for (const auto corner : corners)
+            if (covers && corner >= 0 && landmarks.emplace(std::array{support, corner}, index).second) {
+                covered_.back().push_back(static_cast<std::int32_t>(landmarks_.size()));
+                landmarks_.push_back(problem.points[static_cast<std::size_t>(corner)]);
+            }
+    };
+    for (std::size_t i = 0; i < problem.triangles.size(); ++i) {
+        const auto &t = problem.triangles[i];
+        if (!any_moves(t))
+            continue;
+        const std::int32_t support = patches.at(problem.triangle_patch[i]);
+        if (!curved(support))
+            continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+            if (any_moves(std::array{a, b}) && edges.insert({support, a, b}).second)
+                add({a, b, -1}, support, false);
+        }
+        add(t, support, true);
+    }
+    for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+        const auto &s = problem.segments[i];
+        const auto found = curves.find(problem.segment_curve[i]);
+        if (any_moves(s) && found != curves.end() && curved(found->second))
+            add({s[0], s[1], -1}, found->second, true);
+    }
+    kept_ = covered_;
+    for (const Watched &w : watched_)
+        for (const auto corner : w.corners)
+            if (corner >= 0 && moves(corner))
+                ++offsets_[static_cast<std::size_t>(corner) + 1];
+    for (std::size_t p = 1; p < offsets_.size(); ++p)
+        offsets_[p] += offsets_[p - 1];
+    stars_.resize(offsets_.back());
+    std::vector<std::size_t> next(offsets_.begin(), offsets_.end() - 1);
+    for (std::size_t i = 0; i < watched_.size(); ++i)
+        for (const auto corner : watched_[i].corners)
+            if (corner >= 0 && moves(corner))
+                stars_[next[static_cast<std::size_t>(corner)]++] = static_cast<std::int32_t>(i);
+}
+
+/// Is all between a, near which the piece last[1] is, and b within the tolerance of the tree?
+///
+/// Distance to one piece is convex: where it is small at both ends, so it is between them. So this goes on along each
+/// piece to where it is hardly near any more, found by Newton's method from the far side, and there to another that is
+/// nearer.
+template <class Tree>
+bool Domain::all_near(const Tree &tree, Vec3 a, const Vec3 &b, std::array<std::int32_t, 4> &last) const {
+    std::int32_t piece = last[1];
+    for (int turn = 0; turn < kTurns; ++turn) {
+        const Vec3 along = b - a;
+        Vec3 x = b;
+        Vec3 gap = tree.gap(piece, x);
+        if (dot(gap, gap) <= within_)
+            return true;
+        double t = 1.0;
+        for (int step = 0; !(dot(gap, gap) <= within_); ++step) {
+            const double distance = norm(gap);
+            const double slope = dot(gap, along) / distance;
+            if (!(slope > 0.0) || step == kTurns)
+                return false;
+            t -= (distance - hardly_) / slope;
+            x = a + t * along;
+            gap = tree.gap(piece, x);
+        }
+        if (!(t > 0.0 && t < 1.0))
+            return false;
+        a = x;
+        std::int32_t &guess = last[turn == 0 ? 2 : 3];
+        piece = tree.within(a, limit_, guess);
+        if (piece < 0)
+            return false;
+        guess = piece;
+    }
+    return false;
+}
+
+/// Is the middle of this facet, edge or segment near its patch or curve? What is not near is mostly not near there.
+bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
+    const auto corner = [&](std::size_t i) -> const Vec3 & {
+        return points[static_cast<std::size_t>(watched.corners[i])];
+    };
+    return sample_near(watched, 0,
+                       watched.corners[2] < 0 ? 0.5 * (corner(0) + corner(1))
+                                              : (1.0 / 3.0) * (corner(0) + corner(1) + corner(2)));
+}
+
+bool Domain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const {
+    return std::visit(Overload{
+                          [](const Plane &) { return true; },
+                          [](const Line &) { return true; },
+                          [&](const auto &tree) {
+                              const std::int32_t piece = tree.within(x, limit_, watched.last[sample]);
+                              if (piece >= 0)
+                                  watched.last[sample] = piece;
+                              return piece >= 0;
+                          },
+                      },
+                      supports_[static_cast<std::size_t>(watched.support)]);
+}
+
+/// And the rest of it? Edges are checked all along, facets by samples inside: where surfaces lie side by side they are
+/// farthest apart on an edge or at a landmark.
+bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
+    const Vec3 &a = points[static_cast<std::size_t>(watched.corners[0])];
+    const Vec3 &b = points[static_cast<std::size_t>(watched.corners[1])];
+    if (watched.corners[2] < 0)
+        return sample_near(watched, 1, a) &&
+               std::visit(Overload{
+                              [](const Plane &) { return true; },
+                              [](const Line &) { return true; },
+                              [&](const auto &tree) { return all_near(tree, a, b, watched.last); },
+                          },
+                          supports_[static_cast<std::size_t>(watched.support)]);
+    const Vec3 &c = points[static_cast<std::size_t>(watched.corners[2])];
+    const Vec3 middle = (1.0 / 3.0) * (a + b + c);
+    return sample_near(watched, 1, 0.5 * (a + middle)) && sample_near(watched, 2, 0.5 * (b + middle)) &&
+           sample_near(watched, 3, 0.5 * (c + middle));
+}
+
+bool Domain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec3> points) const {
+    const Watched &w = watched_[static_cast<std::size_t>(watched)];
+    const Vec3 &a = points[static_cast<std::size_t>(w.corners[0])];
+    const Vec3 &b = points[static_cast<std::size_t>(w.corners[1])];
+    const Vec3 foot = w.corners[2] < 0
+                          ? closest_on(std::array{a, b}, place)
+                          : closest_on(std::array{a, b, points[static_cast<std::size_t>(w.corners[2])]}, place);
+    return dot(foot - place, foot - place) <= limit_;
+}
+
+/// What is near this place now that the point has moved: `first`, or something around its corners; or -1.
+std::int32_t Domain::cover(std::int32_t first, const Vec3 &place, std::int32_t point,
+                           std::span<const Vec3> points) const {
+    if (covers(first, place, points))
+        return first;
+    const Watched &was = watched_[static_cast<std::size_t>(first)];
+    const auto around = [&](std::int32_t corner) {
+        for (const auto i : watched(corner)) {
+            const Watched &w = watched_[static_cast<std::size_t>(i)];
+            if (w.covers && w.support == was.support && covers(i, place, points))
+                return i;
+        }
+        return std::int32_t{-1};
+    };
+    if (const std::int32_t found = around(point); found >= 0)
+        return found;
+    for (const auto corner : was.corners)
+        if (corner >= 0 && corner != point)
+            if (const std::int32_t found = around(corner); found >= 0)
+                return found;
+    return -1;
+}
+
+bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
+    const auto star = watched(point);
+    for (const auto i : star)
+        if (!middle_near(watched_[static_cast<std::size_t>(i)], points))
+            return false;
+    for (const auto i : star)
+        if (!rest_near(watched_[static_cast<std::size_t>(i)], points))
+            return false;
+    handed_.clear();
+    for (const auto i : star)
+        for (const auto l : covered_[static_cast<std::size_t>(i)]) {
+            const std::int32_t to = cover(i, landmarks_[static_cast<std::size_t>(l)], point, points);
+            if (to < 0)
+                return false;
+            if (to != i)
+                handed_.push_back({l, i, to});
+        }
+    for (const auto &[l, from, to] : handed_) {
+        std::erase(covered_[static_cast<std::size_t>(from)], l);
+        covered_[static_cast<std::size_t>(to)].push_back(l);
+    }
+    return true;
 }
 
 Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {

@@ -61,7 +61,7 @@ bool relocate_one(MovingMesh &mesh, Domain &domain, const Objective &objective, 
         for (int backtrack = 0; backtrack < kBacktracks && !lower; ++backtrack, t *= 0.3) {
             x = domain.retract(point, from + t * d);
             trial = objective.star(mesh, point, lanes, next, work);
-            lower = trial <= energy + 1e-4 * t * slope && trial < energy;
+            lower = trial <= energy + 1e-4 * t * slope && trial < energy && domain.admit(point, mesh.points);
         }
         if (!lower) {
             x = from;

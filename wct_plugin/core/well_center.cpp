@@ -46,6 +46,7 @@ class Course {
     bool begin(double share) {
         monitor_.begin(share);
         mesh_.points = points_;
+        domain_.restore();
         return !monitor_.stopped();
     }
 
@@ -55,6 +56,7 @@ class Course {
         if (judge_.better(verdict, best_, start_, mesh_.tets().size())) {
             best_ = verdict;
             points_ = mesh_.points;
+            domain_.keep();
             monitor_.set_bad(missing());
         }
     }
@@ -169,7 +171,7 @@ class Course {
 Result well_center(const Problem &problem, const Aim &aim, Monitor &monitor) {
     const auto order = spatial_order(problem.points);
     const Problem ordered = renumbered(problem, order);
-    Domain domain(ordered);
+    Domain domain(ordered, aim.tolerance);
     std::vector<bool> free(ordered.points.size());
     for (std::size_t p = 0; p < free.size(); ++p)
         free[p] = domain.moves(static_cast<std::int32_t>(p));

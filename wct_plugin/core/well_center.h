@@ -5,12 +5,16 @@
 #include "monitor.h"
 #include "problem.h"
 
+#include <limits>
+
 namespace wct {
 
 struct Aim {
     Goal goal = Goal::well_centered;
     double margin = 0.02; // wanted in h/R, and in the cosines if the goal asks
     int effort = 1;       // multiplies the iterations
+    /// Greatest distance, both ways, between a curved surface now and at the start.
+    double tolerance = std::numeric_limits<double>::infinity();
 };
 
 struct Result {
