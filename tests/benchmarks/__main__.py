@@ -15,13 +15,14 @@ from benchmarks.run import Outcome, run
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
-_FOLDER = click.Path(exists=True, path_type=Path)
+_EXISTING = click.Path(exists=True, path_type=Path)
+_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 _MB = 2.0**20
 
 
 @click.command()
 @click.option(
-    "--meshes", "given", type=_FOLDER, help="Folder of tet meshes, or one file; default: small ones made here."
+    "--meshes", "given", type=_EXISTING, help="Folder of tet meshes, or one file; default: small ones made here."
 )
 @click.option("--surfaces", type=_FOLDER, help="Folder of true surfaces, named as the meshes are.")
 @click.option("--only", multiple=True, help="Only tools whose name contains this; may be repeated.")

@@ -53,7 +53,8 @@ def main(name: str, mesh_file: str, surface_file: str, result: str) -> int:
         except ImportError as error:
             print(error, file=sys.stderr)  # noqa: T201
             return NOT_INSTALLED
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_LIMIT, resource.RLIM_INFINITY))
+    with suppress(OSError, ValueError):  # a lower limit is set already, or the system knows none
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_LIMIT, resource.getrlimit(resource.RLIMIT_AS)[1]))
     _forget_peak()
     memory, wall, cpu = _peak(), perf_counter(), _cpu()
     if tool in PEERS:
