@@ -20,6 +20,7 @@ def odt_delaunay(points: Floats, tets: Ints, sweeps: int = 60, step: float = 0.7
     surface = TetMesh(points, tets).topology.boundary
     inner = np.setdiff1d(np.arange(len(points)), surface)
     facets = points[surface]
+    known: dict[tuple[int, ...], bool] = {}
     points = points.copy()
     for _ in range(sweeps):
         size = np.abs(volumes(points, tets))
@@ -30,17 +31,24 @@ def odt_delaunay(points: Floats, tets: Ints, sweeps: int = 60, step: float = 0.7
         total = np.bincount(tets.ravel(), np.repeat(size, 4), len(points))
         mean = np.stack([np.bincount(tets.ravel(), np.repeat(goal[:, k], 4), len(points)) for k in range(3)], axis=1)
         points[inner] += step * (mean[inner] / total[inner, None] - points[inner])
-        tets = _inside(points, Delaunay(points).simplices.astype(np.int64), inner, facets)
+        tets = _inside(points, Delaunay(points).simplices.astype(np.int64), inner, facets, known)
     return points, tets
 
 
-def _inside(points: Floats, tets: Ints, inner: Ints, facets: Floats) -> Ints:
-    """The tets with an interior vertex, and of the others those whose centroid the boundary facets enclose."""
+def _inside(points: Floats, tets: Ints, inner: Ints, facets: Floats, known: dict[tuple[int, ...], bool]) -> Ints:
+    """The tets with an interior vertex, and of the others those whose centroid the boundary facets enclose.
+
+    Boundary points stay, so what was found out about a tet of theirs is ``known`` for later sweeps.
+    """
     outer = ~np.isin(tets, inner).any(axis=1)
-    x = points[tets[outer]]
+    names = [tuple(sorted(tet)) for tet in tets[outer].tolist()]
+    new = [name for name in names if name not in known]
+    x = points[np.array(new, dtype=np.int64).reshape(-1, 4)]
     longest = np.linalg.norm(x[:, 1:] - x[:, :1], axis=2).max(axis=1)
+    solid = np.abs(np.linalg.det(x[:, 1:] - x[:, :1])) > 6e-6 * longest**3
+    known.update(zip(new, (solid & _enclosed(x.mean(axis=1), facets)).tolist(), strict=True))
     keep = ~outer
-    keep[outer] = (np.abs(volumes(points, tets[outer])) > 1e-6 * longest**3) & _enclosed(x.mean(axis=1), facets)
+    keep[outer] = [known[name] for name in names]
     tets = tets[keep]
     turned = volumes(points, tets) < 0.0
     tets[turned] = tets[turned][:, [0, 1, 3, 2]]
