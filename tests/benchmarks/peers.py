@@ -1,7 +1,8 @@
 """What a user would install instead: one function per peer, points (n, 3) and tets (m, 4) in, the same out.
 
-Options are those that did best of a few tried, TetGen's and Netgen's at about twice the input's tets. Regions, tags and data are not handed over, as
-most of these tools know none; on a mesh of several regions only the outer boundary is theirs to keep.
+Options are those that did best of a few tried, TetGen's and Netgen's at about twice the input's tets. Regions, tags and
+data are not handed over, as most of these tools know none; on a mesh of several regions only the outer boundary is
+theirs to keep.
 """
 
 import sys
