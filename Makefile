@@ -1,5 +1,5 @@
 # make demo   a real surface through fTetWild, well-centered, measured, written
-# make test   the whole suite           make lint   style and types           make bench   speed
+# make test   the whole suite           make lint   style and types           make bench   ours and the peers side by side
 # Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
 
 PYTHON ?= python3
@@ -28,8 +28,11 @@ lint: $(VENV)/.test
 	$(BIN)/clang-format --dry-run --Werror $(CORE)
 	$(BIN)/mypy
 
-bench: $(VENV)/.test
+# make bench [MESHES=folder] [SURFACES=folder of surfaces with the meshes' names] [TIMEOUT=seconds]: build/bench/bench.md
+bench: $(VENV)/.bench
 	$(BIN)/python tests/benchmarks/bench_core.py
+	PYTHONPATH=tests $(BIN)/python -m benchmarks $(if $(MESHES),--meshes '$(MESHES)') $(if $(SURFACES),--surfaces '$(SURFACES)') \
+		$(if $(TIMEOUT),--timeout $(TIMEOUT))
 
 # Editable installs see edits to Python files at once; a changed core, declaration or list of filters installs again.
 $(VENV)/.demo: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python
@@ -39,6 +42,12 @@ $(VENV)/.demo: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python
 $(VENV)/.test: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python deb-test
 	$(BIN)/pip install -e '.[test]'
 	touch $@ $(VENV)/.demo
+
+# One peer at a time: where one has no wheel, its row says "not installed".
+$(VENV)/.bench: $(VENV)/.test
+	for peer in $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"])'); \
+		do $(BIN)/pip install "$$peer" || echo "$$peer: not installed"; done
+	touch $@
 
 $(BIN)/python:
 	$(call apt,$(strip $(DEB_BUILD)))

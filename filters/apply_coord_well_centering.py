@@ -21,6 +21,13 @@ class CoordWellCenteringOptions(Options):
     boundary: Literal["fixed", "slide"] = Field(
         "slide", description="fixed: boundary vertices stay; slide: they move on their own patch or crease"
     )
+    tolerance: float | None = Field(
+        1e-3,
+        gt=0,
+        le=0.1,
+        description="Farthest that sliding may take curved surfaces off where they were, "
+        "as a fraction of the bounding-box diagonal; null: no limit",
+    )
     margin: float = Field(0.02, ge=0, le=0.3, description="Clearance aimed at: smallest h/R and smallest cosine")
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this stay, in degrees"
@@ -31,8 +38,9 @@ class CoordWellCenteringOptions(Options):
 class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
     """Move vertices so that more tets are well-centered; connectivity, ids, tags and data stay.
 
-    No tet is ever inverted and never fewer tets contain their circumcenter than before. Interfaces between regions and
-    tagged facets count as boundary; tagged edges as creases, tagged vertices as corners.
+    No tet is ever inverted and never fewer tets contain their circumcenter than before. Sliding vertices stay on the
+    surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
+    between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners.
     """
 
     name = "apply_coord_well_centering"
@@ -45,6 +53,7 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
         surface = strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
         stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
+        tolerance = np.inf if options.tolerance is None else options.tolerance * _diagonal(mesh)
         points, report = _core.move_vertices(
             mesh.points,
             mesh.tets,
@@ -57,6 +66,13 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
             goal=options.goal,
             margin=options.margin,
             effort=options.effort,
+            tolerance=tolerance,
             progress=lambda done, bad: progress(Progress("moving vertices", done, bad)) is not False,
         )
-        return replace(mesh, points=points), dict(report)
+        return replace(mesh, points=points), {**report}
+
+
+def _diagonal(mesh: TetMesh) -> float:
+    """Of the bounding box; a mesh without extent has no surface that could leave anything."""
+    extent = float(np.linalg.norm(np.ptp(mesh.points, axis=0))) if len(mesh.points) else 0.0
+    return extent if extent > 0.0 else np.inf

@@ -101,6 +101,10 @@ def move_vertices(
     ``margin`` (0 to 1/3) is the clearance wanted in h/R, and in the cosines for cwc. ``effort`` (1 to 1000) multiplies
     the iterations. ``tolerance``, a length, is how far the moved surface may get from where it was, both ways.
 
+    ``tolerance`` is a length, without limit by default: how far curved patches, as the moved points span them, may be
+    from where they are now, patch by patch and both ways; and curved creases likewise. Planes and straight creases know
+    none.
+
     ``progress(done, bad)`` hears the done fraction and the number of tets that miss the goal so far; if it returns
     something false other than None, the best positions so far are returned; if it raises, that propagates, as does
     KeyboardInterrupt.

@@ -23,13 +23,17 @@ from core_meshes import (
 from scipy.spatial import ConvexHull
 
 from wct_plugin import _core
+from wct_plugin.deviation import deviation
+from wct_plugin.mesh import SurfaceMesh
 
 MESHES = {"ball": ball(150), "cube": cube(), "turned cube": cube(seed=3, turned=True)}
 ONE_TET = np.array([[0, 1, 2, 3]])
 
 
-def move(mesh, *, slide=False, goal="3wc", margin=0.02, effort=1, progress=None):
-    return _core.move_vertices(*mesh.arguments(slide=slide), goal=goal, margin=margin, effort=effort, progress=progress)
+def move(mesh, *, slide=False, goal="3wc", margin=0.02, effort=1, tolerance=np.inf, progress=None):
+    return _core.move_vertices(
+        *mesh.arguments(slide=slide), goal=goal, margin=margin, effort=effort, tolerance=tolerance, progress=progress
+    )
 
 
 @pytest.fixture(
@@ -150,6 +154,48 @@ def test_units_do_not_matter(scale):
     points, report = _core.move_vertices(*arguments, goal="3wc", margin=0.02, effort=1)
     assert (_core.orientation(points, mesh.tets) == 1).all()
     assert report["bad_after"] == pytest.approx(move(mesh, slide=True)[1]["bad_after"], rel=0.25)
+
+
+class TestTolerance:
+    @pytest.mark.parametrize("goal", ["3wc", "cwc"])
+    @pytest.mark.parametrize("tolerance", [3e-2, 3e-3])
+    def test_a_curved_surface_stays_near(self, goal, tolerance):
+        mesh = MESHES["ball"]
+        points, report = move(mesh, slide=True, goal=goal, tolerance=tolerance)
+        apart = deviation(SurfaceMesh(points, mesh.triangles), SurfaceMesh(mesh.points, mesh.triangles), spacing=0.02)
+        assert 0.3 * tolerance < apart.max <= tolerance
+        assert report["bad_after"] < report["bad_before"]
+
+    def test_a_wider_one_serves_more_tets(self):
+        narrow, wide = (move(MESHES["ball"], slide=True, tolerance=t)[1]["bad_after"] for t in (1e-3, 1e-1))
+        assert wide < narrow
+
+    @pytest.mark.parametrize("name", ["cube", "turned cube"])
+    def test_planes_know_none(self, name):
+        free, held = (move(MESHES[name], slide=True, tolerance=t) for t in (np.inf, 1e-6))
+        assert free[0].tobytes() == held[0].tobytes()
+        assert free[1] == held[1]
+
+    def test_a_fixed_boundary_knows_none(self):
+        free, held = (move(MESHES["ball"], tolerance=t)[0] for t in (np.inf, 1e-6))
+        assert free.tobytes() == held.tobytes()
+
+    def test_the_same_input_gives_the_same_bits(self):
+        first, second = (move(MESHES["ball"], slide=True, tolerance=1e-2) for _ in range(2))
+        assert first[0].tobytes() == second[0].tobytes()
+        assert first[1] == second[1]
+
+    def test_it_holds_when_stopped(self):
+        mesh, heard = MESHES["ball"], []
+
+        def listen(done, bad):
+            heard.append(done)
+            return done < 0.5
+
+        points, report = move(mesh, slide=True, tolerance=3e-3, effort=5, progress=listen)
+        assert report["stopped"] is True
+        apart = deviation(SurfaceMesh(points, mesh.triangles), SurfaceMesh(mesh.points, mesh.triangles), spacing=0.02)
+        assert apart.max <= 3e-3
 
 
 class TestNothingToDo:
@@ -312,6 +358,8 @@ class TestRefusals:
             ({"margin": float("nan")}, "margin"),
             ({"margin": 0.4}, "margin"),
             ({"effort": 0}, "effort"),
+            ({"tolerance": 0.0}, "tolerance"),
+            ({"tolerance": float("nan")}, "tolerance"),
         ],
     )
     def test_options(self, change, message):

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import ball, jittered_cube, two_region_cube
+from builders import ball, cylinder, jittered_cube, two_region_cube
 
 from wct_plugin import apply_filter, quality
-from wct_plugin.mesh import Cells
+from wct_plugin.deviation import deviation
+from wct_plugin.errors import WctError
+from wct_plugin.mesh import Cells, SurfaceMesh
 from wct_plugin.surface import strata
 
 
@@ -49,6 +51,43 @@ def test_sliding_keeps_planes_and_creases_and_corners():
     assert np.abs((better.points - mesh.points)[sides]).max() <= 1e-12
     assert np.abs((better.points - mesh.points)[mesh.topology.boundary_points]).max() > 1e-3
     assert quality.volumes(better.points, better.tets).sum() == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ball", "cylinder"])
+@pytest.mark.parametrize("options", [{}, {"tolerance": 5e-3}])
+def test_a_curved_boundary_stays_within_the_tolerance(name, options):
+    mesh = {"ball": ball(4), "cylinder": cylinder(24, 5)}[name]
+    better, metrics = apply_filter("apply_coord_well_centering", mesh, goal="3wc", **options)
+    tolerance = options.get("tolerance", 1e-3)
+    diagonal = np.linalg.norm(np.ptp(mesh.points, axis=0))
+    was, now = (SurfaceMesh(m.points, m.topology.boundary) for m in (mesh, better))
+    assert 0 < deviation(was, now, spacing=0.02).max <= tolerance * diagonal
+    area = np.linalg.norm(np.cross(*np.moveaxis(np.diff(was.points[was.triangles], axis=1), 1, 0)), axis=1).sum() / 2
+    volume_was, volume_now = (quality.volumes(m.points, m.tets).sum() for m in (mesh, better))
+    assert abs(volume_now - volume_was) <= area * tolerance * diagonal
+    assert metrics["bad_after"] < metrics["bad_before"]
+
+
+def test_without_a_tolerance_a_curved_boundary_goes_further():
+    mesh = ball(4)
+    near, far = (
+        apply_filter("apply_coord_well_centering", mesh, goal="3wc", tolerance=t)[0].points for t in (1e-3, None)
+    )
+    volumes = [quality.volumes(points, mesh.tets).sum() for points in (mesh.points, near, far)]
+    assert volumes[2] < 0.995 * volumes[0]
+    assert volumes[1] > 0.995 * volumes[0]
+
+
+@pytest.mark.parametrize("mesh", [jittered_cube(5, 3), two_region_cube(4)], ids=["cube", "two regions"])
+def test_plane_boundaries_know_no_tolerance(mesh):
+    near, far = (apply_filter("apply_coord_well_centering", mesh, tolerance=t)[0].points for t in (1e-6, None))
+    assert np.array_equal(near, far)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-3, 0.2, float("nan")])
+def test_a_tolerance_out_of_range_is_refused(tolerance):
+    with pytest.raises(WctError, match="tolerance"):
+        apply_filter("apply_coord_well_centering", jittered_cube(3), tolerance=tolerance)
 
 
 def test_regions_and_their_interface_stay():

@@ -64,10 +64,9 @@ template <std::size_t corners> class BoundingTree {
         return best;
     }
 
-    /// Is the piece within this squared distance of x?
-    bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
-        const Vec3 gap = closest_on(pieces_[static_cast<std::size_t>(piece)], x) - x;
-        return dot(gap, gap) <= distance;
+    /// From the closest point of the piece to x.
+    Vec3 gap(std::int32_t piece, const Vec3 &x) const {
+        return x - closest_on(pieces_[static_cast<std::size_t>(piece)], x);
     }
 
     /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first.
@@ -110,6 +109,11 @@ template <std::size_t corners> class BoundingTree {
             return dot(d, d);
         }
     };
+
+    bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
+        const Vec3 to = gap(piece, x);
+        return dot(to, to) <= distance;
+    }
 
     static Vec3 middle(const Piece &piece) {
         Vec3 sum;

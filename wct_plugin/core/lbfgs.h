@@ -11,7 +11,8 @@ namespace wct {
 enum class Outcome { converged, jammed, exhausted, stopped };
 
 /// Move all free points of the mesh at once downhill by L-BFGS (Nocedal 1980) with memory 10, retracting boundary
-/// points to their patch or crease at each step.
+/// points to their patch or crease at each step. Points that the domain watches stay: they move one by one only, which
+/// costs nothing in what a search that follows reaches (measured).
 ///
 /// Every accepted step has a finite energy, so no tet turns inside out, and lowers it. `jammed` means that no step
 /// along the steepest descent lowers it: the energy has a kink there, or the mesh starts at an infinite energy.

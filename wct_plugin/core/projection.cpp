@@ -14,7 +14,8 @@ namespace {
 // Shares of the tolerance: what edges stay within all along, less than the whole because distance is a little larger
 // the other way; and what the places that are looked at stay within, so that what is between them keeps to the former.
 constexpr double kWithin = 0.95;
-constexpr double kAt = 0.9;
+constexpr double kAt = 0.87;
+constexpr int kTurns = 64; // an edge near more pieces than this, one after the other, is refused
 
 double square(double x) {
     return x * x;
@@ -68,7 +69,7 @@ template <class... Functions> struct Overload : Functions... {
 
 Domain::Domain(const Problem &problem, double tolerance)
     : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0), within_(square(kWithin * tolerance)),
-      limit_(square(kAt * tolerance)), short_(square(2.0 * (kWithin - kAt) * tolerance)),
+      limit_(square(kAt * tolerance)), hardly_(0.5 * (kAt + kWithin) * tolerance),
       offsets_(problem.points.size() + 1, 0) {
     auto triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
     auto segments = by_label(problem.points, problem.segments, problem.segment_curve);
@@ -170,51 +171,83 @@ void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> 
                 stars_[next[static_cast<std::size_t>(corner)]++] = static_cast<std::int32_t>(i);
 }
 
-/// Is the edge or segment from a to b within the tolerance of its support, given pieces within the limit of its ends?
+/// Is all between a, near which the piece last[1] is, and b within the tolerance of the tree?
 ///
-/// Distance to one piece is convex: where both ends are within the tolerance of the same piece, so is all between them.
-/// Otherwise the edge is halved, until it is too short to leave the tolerance.
+/// Distance to one piece is convex: where it is small at both ends, so it is between them. So this goes on along each
+/// piece to where it is hardly near any more, found by Newton's method from the far side, and there to another that is
+/// nearer.
 template <class Tree>
-bool Domain::between(const Tree &tree, const Vec3 &a, std::int32_t near_a, const Vec3 &b, std::int32_t near_b) const {
-    if (near_a == near_b || tree.reaches(near_a, b, within_) || tree.reaches(near_b, a, within_))
-        return true;
-    if (dot(b - a, b - a) <= short_)
-        return true;
-    const Vec3 middle = 0.5 * (a + b);
-    const std::int32_t near = tree.within(middle, limit_, near_a);
-    return near >= 0 && between(tree, a, near_a, middle, near) && between(tree, middle, near, b, near_b);
+bool Domain::all_near(const Tree &tree, Vec3 a, const Vec3 &b, std::array<std::int32_t, 4> &last) const {
+    std::int32_t piece = last[1];
+    for (int turn = 0; turn < kTurns; ++turn) {
+        const Vec3 along = b - a;
+        Vec3 x = b;
+        Vec3 gap = tree.gap(piece, x);
+        if (dot(gap, gap) <= within_)
+            return true;
+        double t = 1.0;
+        for (int step = 0; !(dot(gap, gap) <= within_); ++step) {
+            const double distance = norm(gap);
+            const double slope = dot(gap, along) / distance;
+            if (!(slope > 0.0) || step == kTurns)
+                return false;
+            t -= (distance - hardly_) / slope;
+            x = a + t * along;
+            gap = tree.gap(piece, x);
+        }
+        if (!(t > 0.0 && t < 1.0))
+            return false;
+        a = x;
+        std::int32_t &guess = last[turn == 0 ? 2 : 3];
+        piece = tree.within(a, limit_, guess);
+        if (piece < 0)
+            return false;
+        guess = piece;
+    }
+    return false;
 }
 
-/// Is this facet, edge or segment near its patch or curve? Edges are checked all along, facets inside by samples: their
-/// farthest place is on an edge or at a landmark, where the surfaces lie side by side.
-bool Domain::near(Watched &watched, std::span<const Vec3> points) const {
+/// Is the middle of this facet, edge or segment near its patch or curve? What is not near is mostly not near there.
+bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
     const auto corner = [&](std::size_t i) -> const Vec3 & {
         return points[static_cast<std::size_t>(watched.corners[i])];
     };
-    const auto check = [&](const auto &tree) {
-        const auto find = [&](std::size_t k, const Vec3 &x) {
-            const std::int32_t piece = tree.within(x, limit_, watched.last[k]);
-            if (piece >= 0)
-                watched.last[k] = piece;
-            return piece >= 0;
-        };
-        const Vec3 &a = corner(0);
-        const Vec3 &b = corner(1);
-        if (watched.corners[2] < 0) {
-            const Vec3 middle = 0.5 * (a + b);
-            const auto &last = watched.last;
-            return find(0, middle) && find(1, a) && find(2, b) && between(tree, a, last[1], middle, last[0]) &&
-                   between(tree, middle, last[0], b, last[2]);
-        }
-        const Vec3 &c = corner(2);
-        const Vec3 middle = (1.0 / 3.0) * (a + b + c);
-        return find(0, middle) && find(1, 0.5 * (a + middle)) && find(2, 0.5 * (b + middle)) &&
-               find(3, 0.5 * (c + middle));
-    };
-    const Support &support = supports_[static_cast<std::size_t>(watched.support)];
-    if (const auto *triangles = std::get_if<BoundingTree<3>>(&support))
-        return check(*triangles);
-    return check(std::get<BoundingTree<2>>(support));
+    return sample_near(watched, 0,
+                       watched.corners[2] < 0 ? 0.5 * (corner(0) + corner(1))
+                                              : (1.0 / 3.0) * (corner(0) + corner(1) + corner(2)));
+}
+
+bool Domain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const {
+    return std::visit(Overload{
+                          [](const Plane &) { return true; },
+                          [](const Line &) { return true; },
+                          [&](const auto &tree) {
+                              const std::int32_t piece = tree.within(x, limit_, watched.last[sample]);
+                              if (piece >= 0)
+                                  watched.last[sample] = piece;
+                              return piece >= 0;
+                          },
+                      },
+                      supports_[static_cast<std::size_t>(watched.support)]);
+}
+
+/// And the rest of it? Edges are checked all along, facets by samples inside: where surfaces lie side by side they are
+/// farthest apart on an edge or at a landmark.
+bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
+    const Vec3 &a = points[static_cast<std::size_t>(watched.corners[0])];
+    const Vec3 &b = points[static_cast<std::size_t>(watched.corners[1])];
+    if (watched.corners[2] < 0)
+        return sample_near(watched, 1, a) &&
+               std::visit(Overload{
+                              [](const Plane &) { return true; },
+                              [](const Line &) { return true; },
+                              [&](const auto &tree) { return all_near(tree, a, b, watched.last); },
+                          },
+                          supports_[static_cast<std::size_t>(watched.support)]);
+    const Vec3 &c = points[static_cast<std::size_t>(watched.corners[2])];
+    const Vec3 middle = (1.0 / 3.0) * (a + b + c);
+    return sample_near(watched, 1, 0.5 * (a + middle)) && sample_near(watched, 2, 0.5 * (b + middle)) &&
+           sample_near(watched, 3, 0.5 * (c + middle));
 }
 
 bool Domain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec3> points) const {
@@ -253,7 +286,10 @@ std::int32_t Domain::cover(std::int32_t first, const Vec3 &place, std::int32_t p
 bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
     const auto star = watched(point);
     for (const auto i : star)
-        if (!near(watched_[static_cast<std::size_t>(i)], points))
+        if (!middle_near(watched_[static_cast<std::size_t>(i)], points))
+            return false;
+    for (const auto i : star)
+        if (!rest_near(watched_[static_cast<std::size_t>(i)], points))
             return false;
     handed_.clear();
     for (const auto i : star)

@@ -11,9 +11,10 @@ namespace wct {
 
 struct Aim {
     Goal goal = Goal::well_centered;
-    double margin = 0.02;                                       // wanted in h/R, and in the cosines if the goal asks
-    int effort = 1;                                             // multiplies the iterations
-    double tolerance = std::numeric_limits<double>::infinity(); // between curved surfaces now and at the start
+    double margin = 0.02; // wanted in h/R, and in the cosines if the goal asks
+    int effort = 1;       // multiplies the iterations
+    /// Greatest distance, both ways, between a curved surface now and at the start.
+    double tolerance = std::numeric_limits<double>::infinity();
 };
 
 struct Result {

@@ -1,0 +1,72 @@
+"""Run every tool on every mesh, one at a time, and write the table: ``make bench MESHES=folder SURFACES=folder``."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+import wct_plugin as wct
+from benchmarks import meshes, table
+from benchmarks.judge import judge
+from benchmarks.ours import OURS
+from benchmarks.peers import PEERS
+from benchmarks.run import Outcome, run
+from wct_plugin.errors import WctError
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+_EXISTING = click.Path(exists=True, path_type=Path)
+_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+_MB = 2.0**20
+
+
+@click.command()
+@click.option(
+    "--meshes", "given", type=_EXISTING, help="Folder of tet meshes, or one file; default: small ones made here."
+)
+@click.option("--surfaces", type=_FOLDER, help="Folder of true surfaces, named as the meshes are.")
+@click.option("--only", multiple=True, help="Only tools whose name contains this; may be repeated.")
+@click.option("--timeout", default=600.0, show_default=True, help="Seconds per tool and mesh.")
+@click.option("--out", default=Path("build/bench"), type=click.Path(path_type=Path), show_default=True)
+def main(given: Path | None, surfaces: Path | None, only: tuple[str, ...], timeout: float, out: Path) -> None:
+    """Run ours and the peers side by side; write bench.md and bench.json."""
+    files = meshes.found(given) if given else meshes.default(out / "meshes")
+    if not files:
+        raise click.UsageError(f"no tet mesh in {given}")
+    tools = [tool.name for tool in (*OURS, *PEERS) if not only or any(part in tool.name for part in only)]
+    about = table.machine(["wct_plugin", *dict.fromkeys(peer.package for peer in PEERS)])
+    rows = []
+    for file in files:
+        surface_file = meshes.surface_of(file, surfaces)
+        try:
+            mesh = wct.read(file)
+            surface = wct.read(surface_file) if surface_file else mesh.boundary_surface()
+            row = {"mesh": file.stem, "tool": "input", "status": "ok", **judge(mesh, mesh, surface)}
+        except WctError as error:
+            raise click.ClickException(str(error)) from error
+        rows.append(row)
+        for tool in tools:
+            click.echo(f"{file.stem}: {tool} ... ", nl=False, err=True)
+            rows.append(_row(file.stem, tool, run(tool, file, surface_file, timeout), mesh, surface))
+            click.echo(rows[-1]["status"], err=True)
+            table.write(rows, about, out)  # what is done stays if the run is stopped
+    table.write(rows, about, out)
+    click.echo(table.markdown(rows, about))
+    click.echo(f"wrote {out / 'bench.md'} and {out / 'bench.json'}", err=True)
+
+
+def _row(name: str, tool: str, outcome: Outcome, mesh: TetMesh, surface: SurfaceMesh) -> dict[str, Any]:
+    row = {"mesh": name, "tool": tool, "status": outcome.status, "load": outcome.load, "cpu_with_start": outcome.cpu}
+    if outcome.status != "ok":
+        return row
+    arrays = outcome.arrays
+    row |= {"cpu": float(arrays["cpu"]), "wall": float(arrays["wall"])}
+    row |= {key: float(arrays[key]) / _MB for key in ("memory", "memory_above")}
+    try:
+        return row | judge(TetMesh(arrays["points"], arrays["tets"]), mesh, surface)
+    except WctError as error:
+        return row | {"status": f"unusable: {error}"}
+
+
+if __name__ == "__main__":
+    sys.exit(main())
