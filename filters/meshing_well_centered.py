@@ -1,5 +1,6 @@
 """``filters.meshing_well_centered``: resample, reconnect and move until every tet is well-centered."""
 
+import warnings
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -9,6 +10,8 @@ from pydantic import ConfigDict, Field, field_validator
 
 from wct_plugin import _core
 from wct_plugin.adapters import meshio
+from wct_plugin.deviation import deviation
+from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import Reference, given_surface, own_boundary
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
@@ -127,8 +130,18 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         better = carry(mesh, own.strata, resampled)
         if isinstance(surface, SurfaceMesh):
             better = replace(better, reference=surface)
+        target = surface if isinstance(surface, SurfaceMesh) else mesh.boundary_surface()
+        apart = deviation(better.boundary_surface(), target).max
+        if apart > tolerance:
+            warnings.warn(
+                f"the boundary is {apart / reference.diagonal:.2e} of the diagonal from the reference; "
+                f"the tolerance is {tolerance / reference.diagonal:.2e}",
+                WctWarning,
+                stacklevel=2,
+            )
         metrics = {
             "bad": found["bad"],
+            "deviation": apart / reference.diagonal,
             "tets": len(better.tets),
             "passes": found["passes"],
             "kicks": found["kicks"],
