@@ -1,0 +1,187 @@
+// Swapping edges and facets: the operators that keep every vertex.
+
+#include "operators.h"
+
+#include <limits>
+
+namespace wct {
+
+namespace {
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kLargestRing = 9;
+} // namespace
+
+bool Operators::plan(Fan &fan, int a, int b) {
+    const int n = static_cast<int>(fan.polygon.size());
+    const std::vector<int> &p = fan.polygon;
+    candidates_.clear();
+    for (int i = 0; i < n; ++i)
+        for (int k = i + 1; k < n; ++k)
+            for (int j = k + 1; j < n; ++j) {
+                candidates_.push_back({p[i], p[k], p[j], b});
+                candidates_.push_back({p[j], p[k], p[i], a});
+            }
+    energies_.resize(candidates_.size());
+    energy_.of(complex_, candidates_, energies_.data());
+    // cost[i][j]: cheapest triangulation of p[i..j], with its edge i-j closing it
+    fan.cost.assign(static_cast<std::size_t>(n) * n, 0.0);
+    fan.choice.assign(static_cast<std::size_t>(n) * n, -1);
+    const auto pair_cost = [&](int i, int k, int j) {
+        // rank of (i, k, j) in the order above
+        const auto choose2 = [](int m) { return m * (m - 1) / 2; };
+        const auto choose3 = [](int m) { return m * (m - 1) * (m - 2) / 6; };
+        const int rank = choose3(n) - choose3(n - i) + choose2(n - i - 1) - choose2(n - k) + (j - k - 1);
+        return energies_[2 * rank] + energies_[2 * rank + 1];
+    };
+    for (int length = 2; length < n; ++length)
+        for (int i = 0; i + length < n; ++i) {
+            const int j = i + length;
+            double best = kInfinity;
+            for (int k = i + 1; k < j; ++k) {
+                const double cost = fan.cost[i * n + k] + fan.cost[k * n + j] + pair_cost(i, k, j);
+                if (cost < best) {
+                    best = cost;
+                    fan.choice[i * n + j] = k;
+                }
+            }
+            fan.cost[i * n + j] = best;
+        }
+    return fan.cost[n - 1] < kInfinity;
+}
+
+void Operators::carry_out(const Fan &fan, int a, int b) {
+    const int n = static_cast<int>(fan.polygon.size());
+    const std::vector<int> &p = fan.polygon;
+    const int region = complex_.region(fan.tets[0]);
+    for (int t : fan.tets)
+        complex_.remove_tet(t);
+    Edge stack[2 * kLargestRing];
+    int top = 0;
+    stack[top++] = {0, n - 1};
+    while (top) {
+        const auto [i, j] = stack[--top];
+        if (j - i < 2)
+            continue;
+        const int k = fan.choice[i * n + j];
+        const Tet two[2] = {{p[i], p[k], p[j], b}, {p[j], p[k], p[i], a}};
+        double energies[2];
+        energy_.of(complex_, two, energies);
+        complex_.add_tet(two[0], region, energies[0]);
+        complex_.add_tet(two[1], region, energies[1]);
+        stack[top++] = {i, k};
+        stack[top++] = {k, j};
+    }
+    for (int v : p)
+        touch(v);
+}
+
+bool Operators::flips_surface(int a, int b, int r, int s, int patch) const {
+    for (int t : complex_.star(r))
+        if (complex_.has(t, s))
+            return false; // r and s are joined already: the surface would pinch
+    const Vec3 &pa = complex_.point(a), &pb = complex_.point(b), &pr = complex_.point(r), &ps = complex_.point(s);
+    const Vec3 first = cross(pr - pa, ps - pa);
+    const Vec3 second = cross(ps - pb, pr - pb);
+    if (dot(first, second) < 0.8 * norm(first) * norm(second))
+        return false;
+    return guide_.allows(patch, pa, pr, ps) && guide_.allows(patch, pb, pr, ps);
+}
+
+bool Operators::remove_edge(int a, int b, double slack) {
+    if (complex_.curve_of(a, b) >= 0 || !ring(a, b, ring_))
+        return false;
+    const int n = static_cast<int>(ring_.link.size());
+    if (n < 3 || n > 2 * kLargestRing)
+        return false;
+    int patch = -1;
+    int second = -1; // where the other surface facet stands in a closed ring
+    int facets = 0;
+    if (complex_.vertex(a).stratum != Stratum::interior && complex_.vertex(b).stratum != Stratum::interior)
+        for (int k = 0; k < n; ++k) {
+            const int here = complex_.patch_of(a, b, ring_.link[k]);
+            if (here < 0)
+                continue;
+            if (facets++ == 0)
+                patch = here;
+            else if (here != patch)
+                return false;
+            second = k;
+        }
+    if (facets != 0 && (facets != 2 || !flip_surface))
+        return false;
+    if (!ring_.closed && facets != 2)
+        return false;
+    int fans = 1;
+    if (ring_.closed && facets == 2) { // an interface: both of its sides are fans between the same two facets
+        fans = 2;
+        fans_[0].polygon.assign(ring_.link.begin(), ring_.link.begin() + second + 1);
+        fans_[0].tets.assign(ring_.tets.begin(), ring_.tets.begin() + second);
+        fans_[1].polygon.assign(ring_.link.begin() + second, ring_.link.end());
+        fans_[1].polygon.push_back(ring_.link[0]);
+        fans_[1].tets.assign(ring_.tets.begin() + second, ring_.tets.end());
+    } else {
+        fans_[0].polygon = ring_.link;
+        fans_[0].tets = ring_.tets;
+    }
+    const int r = fans_[0].polygon.front();
+    const int s = fans_[0].polygon.back();
+    double before = 0.0;
+    for (int t : ring_.tets)
+        before += complex_.energy(t);
+    double after = 0.0;
+    for (int f = 0; f < fans; ++f) {
+        const std::size_t size = fans_[f].polygon.size();
+        if (size < 3 || size > kLargestRing)
+            return false;
+    }
+    for (int f = 0; f < fans; ++f) {
+        if (!plan(fans_[f], a, b))
+            return false;
+        after += fans_[f].cost[fans_[f].polygon.size() - 1];
+        if (!(after < before + slack))
+            return false;
+    }
+    if (facets == 2 && !flips_surface(a, b, r, s, patch))
+        return false;
+    for (int f = 0; f < fans; ++f)
+        carry_out(fans_[f], a, b);
+    if (facets == 2) {
+        complex_.remove_facet(sorted(a, b, r));
+        complex_.remove_facet(sorted(a, b, s));
+        complex_.add_facet(sorted(a, r, s), patch);
+        complex_.add_facet(sorted(b, r, s), patch);
+    }
+    touch(a);
+    touch(b);
+    return true;
+}
+
+bool Operators::flip_23(int t, int i, double slack) {
+    const Tet tet = complex_.tet(t);
+    const int b = tet[i];
+    const int x = tet[kFacets[i][0]], y = tet[kFacets[i][1]], z = tet[kFacets[i][2]]; // winds towards b
+    if (complex_.patch_of(x, y, z) >= 0)
+        return false;
+    const int s = complex_.across(t, x, y, z);
+    if (s < 0)
+        return false;
+    int a = -1;
+    for (int v : complex_.tet(s))
+        if (v != x && v != y && v != z)
+            a = v;
+    const Tet three[3] = {{a, b, x, y}, {a, b, y, z}, {a, b, z, x}};
+    double energies[3];
+    energy_.of(complex_, three, energies);
+    if (!(energies[0] + energies[1] + energies[2] < complex_.energy(t) + complex_.energy(s) + slack))
+        return false;
+    const int region = complex_.region(t);
+    complex_.remove_tet(t);
+    complex_.remove_tet(s);
+    for (int k = 0; k < 3; ++k)
+        complex_.add_tet(three[k], region, energies[k]);
+    for (int v : {a, b, x, y, z})
+        touch(v);
+    return true;
+}
+
+} // namespace wct
