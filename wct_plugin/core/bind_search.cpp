@@ -176,7 +176,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     const SurfaceGuide guide(on, triangles, patch, segments, curve, tolerance, shell);
     for (std::size_t v = 0; v < at.size(); ++v) {
         const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
-        complex.add_vertex({at[v], role[v], slides ? static_cast<int>(owner[v]) : -1, wanted[v], at[v]});
+        complex.add_vertex({at[v], role[v], slides ? static_cast<int>(owner[v]) : -1, wanted[v]});
     }
     for (std::size_t t = 0; t < cells.size(); ++t)
         complex.add_tet(cells[t], region[t], 0.0);

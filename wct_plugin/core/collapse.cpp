@@ -87,12 +87,7 @@ bool Operators::collapse(int a, int b, double slack) {
     }
     if (candidates_.empty())
         return false;
-    energies_.resize(candidates_.size());
-    energy_.of(complex_, candidates_, energies_.data());
-    double after = 0.0;
-    for (double e : energies_)
-        after += e;
-    if (!(after < before + slack))
+    if (!candidates_below(before + slack))
         return false;
     for (std::size_t k = 0; k < facets.size(); ++k) {
         Facet facet = facets[k];

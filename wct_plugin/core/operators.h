@@ -62,6 +62,8 @@ class Operators {
     bool plan(Fan &fan, int a, int b);
     void carry_out(const Fan &fan, int a, int b);
     bool flips_surface(int a, int b, int r, int s, int patch) const;
+    /// Measures the candidates; whether they can be and cost less than `limit` together.
+    bool candidates_below(double limit);
     bool collapse_links(int a, int b, const Ring &ring) const;
 
     TetComplex &complex_;

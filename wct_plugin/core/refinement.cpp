@@ -46,12 +46,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         candidates_.push_back({v, b, p, q});
         regions_.push_back(complex_.region(ring_.tets[k]));
     }
-    energies_.resize(candidates_.size());
-    energy_.of(complex_, candidates_, energies_.data());
-    double after = 0.0;
-    for (double e : energies_)
-        after += e;
-    if (!(after < before + slack))
+    if (!candidates_below(before + slack))
         return std::nullopt;
     for (std::size_t k = 0; k < facet_apices.size(); ++k) {
         const Vec3 &apex = complex_.point(facet_apices[k]);
@@ -148,12 +143,7 @@ std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
     for (int w : inside)
         if (std::find(wall.begin(), wall.end(), w) == wall.end())
             return std::nullopt; // w would be left without a tet
-    energies_.resize(candidates_.size());
-    energy_.of(complex_, candidates_, energies_.data());
-    double after = 0.0;
-    for (double e : energies_)
-        after += e;
-    if (!(after < before + slack))
+    if (!candidates_below(before + slack))
         return std::nullopt;
     for (int t : cavity)
         complex_.remove_tet(t);

@@ -25,7 +25,6 @@ struct Vertex {
     Stratum stratum = Stratum::interior;
     int label = -1;    // patch of a Stratum::patch vertex, curve of a Stratum::crease vertex
     double size = 0.0; // edge length wanted here
-    Vec3 home;         // where a corner came from
 };
 
 /// A tetrahedral mesh under change. Surface facets (the boundary and the interfaces between regions) know their patch,
@@ -62,7 +61,6 @@ class TetComplex {
     int off_facets(const Tet &tet) const;
     bool off(const Facet &key) const;
     void set_off(const Facet &key, bool off);
-    int off_count() const { return off_count_; }
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
     const std::unordered_map<Facet, SurfaceFacet, KeyHash> &surface() const { return surface_; }
