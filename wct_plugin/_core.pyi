@@ -216,7 +216,6 @@ def search_well_centered(
     surface_curve: NDArray[np.int64],
     *,
     tolerance: float,
-    shell: float,
     acute: bool,
     margin: float,
     flip_surface: bool,
