@@ -117,11 +117,12 @@ bool Operators::collapse(int a, int b, double slack) {
             return false;
     }
     const int curve = gone.label;
+    if (watch_.replace())
+        energy_.of(complex_, candidates_, energies_.data());
     for (int t : old)
         complex_.remove_tet(t);
     for (std::size_t k = 0; k < candidates_.size(); ++k)
         complex_.add_tet(candidates_[k], regions_[k], energies_[k]);
-    watch_.replace();
     if (joined[0] >= 0) {
         complex_.remove_crease(sorted(a, b));
         complex_.remove_crease(sorted(a, joined[0] == b ? joined[1] : joined[0]));

@@ -148,10 +148,10 @@ bool Operators::remove_edge(int a, int b, double slack) {
     }
     if (facets == 2 && !flips_surface(a, b, r, s, patch))
         return false;
-    for (int f = 0; f < fans; ++f)
-        carry_out(fans_[f], a, b);
     if (facets == 2)
         watch_.replace();
+    for (int f = 0; f < fans; ++f)
+        carry_out(fans_[f], a, b); // measures the energies with the new facets in place
     touch(a);
     touch(b);
     return true;

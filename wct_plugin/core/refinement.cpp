@@ -56,11 +56,12 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     }
     if (!watch_.allows_replacing())
         return std::nullopt;
+    if (watch_.replace())
+        energy_.of(complex_, candidates_, energies_.data());
     for (int t : ring_.tets)
         complex_.remove_tet(t);
     for (std::size_t k = 0; k < candidates_.size(); ++k)
         complex_.add_tet(candidates_[k], regions_[k / 2], energies_[k]);
-    watch_.replace();
     if (curve >= 0) {
         complex_.remove_crease(sorted(a, b));
         complex_.add_crease(sorted(a, v), curve);

@@ -1,6 +1,7 @@
 #include "surface_watch.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace wct {
@@ -73,6 +74,7 @@ void SurfaceWatch::clear() {
 
 void SurfaceWatch::goes(const Facet &key, int patch) {
     old_.push_back(piece(key, patch));
+    old_.back().was_over = complex_.over(key);
 }
 
 void SurfaceWatch::comes(const Facet &key, int patch) {
@@ -102,19 +104,31 @@ void SurfaceWatch::skip_known_edges() {
 
 bool SurfaceWatch::allows_replacing() {
     skip_known_edges();
-    for (Piece &piece : new_)
-        if (!piece.planar && !guide_.near(piece.patch, piece.corners, piece.edges, piece.hints))
+    double allowed = 0.0; // no facet may be farther over than one it replaces
+    for (const Piece &piece : old_)
+        allowed = std::max(allowed, piece.was_over * (1.0 + 1e-9));
+    for (Piece &piece : new_) {
+        if (piece.planar || guide_.near(piece.patch, piece.corners, allowed > 0.0 ? 7u : piece.edges, piece.hints))
+            continue;
+        if (allowed <= 0.0)
             return false;
-    return landmarks_covered();
+        piece.over = std::max(kLeast, guide_.gap(piece.patch, piece.corners).distance / guide_.tolerance() - 1.0);
+    }
+    if (!landmarks_covered())
+        return false;
+    return std::none_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; });
 }
 
-void SurfaceWatch::replace() {
-    for (const Piece &piece : new_)
+bool SurfaceWatch::replace() {
+    for (const Piece &piece : new_) {
         complex_.add_facet(piece.key, piece.patch);
+        complex_.set_over(piece.key, piece.over);
+    }
     for (const Handed &handed : handed_)
         complex_.hand_landmark(handed.landmark, handed.to);
     for (const Piece &piece : old_)
         complex_.remove_facet(piece.key);
+    return std::any_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > 0.0; });
 }
 
 void SurfaceWatch::gather(int v) {
@@ -169,6 +183,8 @@ void SurfaceWatch::farther(Piece &piece, double over, const Vec3 &at, const Vec3
     if (piece.over > 0.0 && over <= piece.over)
         return;
     piece.over = std::max(over, kLeast);
+    if (vertex_ < 0)
+        return;
     int k = 0;
     while (piece.key[k] != vertex_)
         ++k;
@@ -209,14 +225,34 @@ bool SurfaceWatch::landmarks_covered() {
                 continue;
             if (cover(l, old_[i]))
                 continue;
-            if (vertex_ < 0 || old_[i].was_over <= 0.0)
+            if (old_[i].was_over <= 0.0)
                 return false;
+            Piece *owner = vertex_ >= 0 ? &new_[i] : nearest(l, old_[i].patch);
+            if (!owner)
+                return false;
+            if (vertex_ < 0)
+                handed_.push_back({l, owner->key});
             const Vec3 &point = guide_.landmarks()[l].point;
-            const Vec3 foot = closest_on(new_[i].corners, point);
-            farther(new_[i], norm(point - foot) / guide_.tolerance() - 1.0, foot, point - foot);
+            const Vec3 foot = closest_on(owner->corners, point);
+            farther(*owner, norm(point - foot) / guide_.tolerance() - 1.0, foot, point - foot);
         }
     }
     return true;
+}
+
+/// The facet that comes nearest to a landmark that none covers.
+SurfaceWatch::Piece *SurfaceWatch::nearest(int landmark, int patch) {
+    const Vec3 &point = guide_.landmarks()[landmark].point;
+    Piece *best = nullptr;
+    double distance = std::numeric_limits<double>::infinity();
+    for (Piece &piece : new_) {
+        const double here = norm(point - closest_on(piece.corners, point));
+        if (piece.patch != patch || here >= distance)
+            continue;
+        distance = here;
+        best = &piece;
+    }
+    return best;
 }
 
 /// Find a facet that covers a landmark its owner does not any more: one that comes, or one beside the owner.

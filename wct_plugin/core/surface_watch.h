@@ -23,8 +23,9 @@ class SurfaceWatch {
     void goes(const Facet &key, int patch);
     void comes(const Facet &key, int patch);
     bool allows_replacing();
-    /// Add the facets that come, hand them the landmarks, and remove those that go.
-    void replace();
+    /// Add the facets that come, hand them the landmarks, and remove those that go. The energies of tets at facets that
+    /// stay over are then to be measured anew: true if there are such facets.
+    bool replace();
 
     /// Moving vertex v: name it, ask about places for it, and settle at one that was allowed.
     void gather(int v);
@@ -54,6 +55,7 @@ class SurfaceWatch {
     void skip_known_edges();
     bool landmarks_covered();
     bool cover(int landmark, const Piece &owner);
+    Piece *nearest(int landmark, int patch);
     void farther(Piece &piece, double over, const Vec3 &at, const Vec3 &to_surface) const;
 
     TetComplex &complex_;
