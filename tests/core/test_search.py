@@ -36,7 +36,6 @@ def arguments(mesh, *, pinned=False):
 def search(mesh, *, pinned=False, change=None, **options):
     settings = {
         "tolerance": 0.05,
-        "shell": 0.05,
         "acute": True,
         "margin": 0.02,
         "flip_surface": True,
@@ -176,7 +175,7 @@ def test_a_missing_boundary_facet_and_inverted_tets_are_refused():
         search(mesh, change={"tets": mesh.tets[:, [0, 1, 3, 2]].copy()})
 
 
-@pytest.mark.parametrize("option", [{"tolerance": 0.0}, {"shell": -1.0}, {"margin": 0.4}, {"passes": -1}])
+@pytest.mark.parametrize("option", [{"tolerance": 0.0}, {"margin": 0.4}, {"passes": -1}])
 def test_bad_options_are_refused(option):
     with pytest.raises(ValueError, match=next(iter(option))):
         search(jittered_cube(3, 6), **option)

@@ -220,9 +220,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("stratum"), nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"),
           nb::arg("creases"), nb::arg("crease_curve"), nb::arg("surface_points"), nb::arg("surface_triangles"),
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
-          nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"),
-          nb::arg("split_surface"), nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"),
-          nb::arg("progress") = nb::none());
+          nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
+          nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none());
 }
 
 } // namespace wct

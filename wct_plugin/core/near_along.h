@@ -6,8 +6,8 @@
 
 namespace wct {
 
-/// Whether all of a straight edge is near a set of segments or triangles. Shares of the tolerance: `at`, what the places
-/// that are looked at stay within, and `all`, what everything between them stays within.
+/// Whether all of a straight edge is near a set of segments or triangles. Shares of the tolerance: `at`, what the
+/// places that are looked at stay within, and `all`, what everything between them stays within.
 struct NearAlong {
     double at, all;
 

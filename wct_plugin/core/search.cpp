@@ -42,9 +42,8 @@ SearchForm margin_form(bool acute, double margin) {
 } // namespace
 
 Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
-    : complex_(complex), options_(options), energy_(broad_form(options.acute)),
-      watch_(complex, guide), operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_),
-      random_(options.seed) {
+    : complex_(complex), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
+      operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_), random_(options.seed) {
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
 }

@@ -21,10 +21,17 @@ constexpr double kInside = 0.93;
 /// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
 constexpr double kBend = 0.99939;
 
-/// Where the inside of a facet is held against the surface: centroid, middles of the edges, and half-way between.
+/// Where a facet is held against the surface: its centroid, half-way from there to the corners, and, only to measure
+/// how far it is, the middles of its edges.
 constexpr int kSamples = 7;
-constexpr double kWeights[kSamples][3] = {{1. / 3, 1. / 3, 1. / 3}, {.5, .5, 0},          {0, .5, .5},         {.5, 0, .5},
-                                          {.666, .167, .167},       {.167, .666, .167}, {.167, .167, .666}};
+constexpr int kInner = 4;
+constexpr double kWeights[kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
+                                          {.666, .167, .167},
+                                          {.167, .666, .167},
+                                          {.167, .167, .666},
+                                          {.5, .5, 0},
+                                          {0, .5, .5},
+                                          {.5, 0, .5}};
 
 Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
     return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
@@ -119,7 +126,7 @@ void SurfaceGuide::make_curves(const Surface &surface) {
 
 void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
     const auto &[points, triangles, patch, segments, curve] = surface;
-    std::set<std::array<int, 2>> seen; // patch and vertex
+    std::set<std::array<int, 2>> seen;          // patch and vertex
     std::map<std::array<int, 3>, Vec3> normals; // by patch and edge: of the triangle seen first
     for (std::size_t k = 0; k < triangles.size(); ++k) {
         if (patches_[patch[k]].planar)
@@ -188,10 +195,10 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
     return true;
 }
 
-bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, Hints &hints) const {
+bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
     const BoundingTree<3> &tree = patches_[patch].tree;
     const double inside = kInside * tolerance_;
-    for (int k = 0; k < kSamples; ++k) { // what is not near is mostly not near here
+    for (int k = 0; k < kInner; ++k) { // what is not near is mostly not near here
         const std::int32_t found = tree.within(blend(kWeights[k], corners), inside * inside, hints[k]);
         if (found < 0)
             return false;
@@ -210,13 +217,13 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
     return true;
 }
 
-SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners) const {
+SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const {
     Gap worst;
-    std::int32_t hint = 0;
-    for (const auto &weights : kWeights) {
+    for (int k = 0; k < kSamples; ++k) {
+        const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
-        const auto found = patches_[patch].tree.closest(x, hint);
-        hint = found.piece;
+        const auto found = patches_[patch].tree.closest(x, hints[k]);
+        hints[k] = found.piece;
         const Vec3 to = found.point - x;
         if (norm(to) > worst.distance)
             worst = {norm(to), {weights[0], weights[1], weights[2]}, to};

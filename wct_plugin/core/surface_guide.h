@@ -36,8 +36,8 @@ class SurfaceGuide {
     /// `tolerance` is a length. Landmarks on edges of the surface are no farther apart than `spacing`.
     SurfaceGuide(const Surface &surface, double tolerance, double spacing);
 
-    /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is where
-    /// the surface was found last, 0 at first.
+    /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is
+    /// where the surface was found last, 0 at first.
     bool admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const;
     bool admit(const Vertex &vertex, Vec3 &x) const {
         std::int32_t hint = 0;
@@ -47,19 +47,17 @@ class SurfaceGuide {
     double tolerance() const { return tolerance_; }
     bool planar(int patch) const { return patches_[patch].planar; }
 
-    /// Where a facet was last found near the surface: the next search begins there.
-    using Hints = std::array<std::int32_t, 13>;
-    /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges` says
-    /// that the edge from corner k to the next is to be looked at along its whole length; the others are known to be
-    /// near.
-    bool near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, Hints &hints) const;
+    /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges`
+    /// says that the edge from corner k to the next is to be looked at along its whole length; the others are known to
+    /// be near.
+    bool near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const;
     /// How far a facet is from its patch, as found at sample points: the farthest of them, in weights of the corners,
     /// and the vector from there to the surface.
     struct Gap {
         double distance = 0.0;
         Vec3 weights, to_surface;
     };
-    Gap gap(int patch, const std::array<Vec3, 3> &corners) const;
+    Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const;
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
 
     /// Points of the surface that facets must stay near, too: vertices of curved patches, and points on edges where

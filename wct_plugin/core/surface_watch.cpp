@@ -42,7 +42,8 @@ void SurfaceWatch::begin() {
         by_patch[patch].push_back(one.corners);
         known.emplace(coordinates(one.corners), key);
         if (!guide_.near(patch, one.corners, one.edges, one.hints))
-            complex_.set_over(key, std::max(kLeast, guide_.gap(patch, one.corners).distance / guide_.tolerance() - 1.0));
+            complex_.set_over(
+                key, std::max(kLeast, guide_.gap(patch, one.corners, one.hints).distance / guide_.tolerance() - 1.0));
     }
     std::map<int, BoundingTree<3>> trees;
     for (auto &[patch, corners] : by_patch)
@@ -61,8 +62,8 @@ void SurfaceWatch::begin() {
         const Facet owner = known.at(coordinates(corners));
         complex_.add_landmark(owner);
         if (!guide_.covers(corners, static_cast<int>(l)))
-            complex_.set_over(owner, std::max({complex_.over(owner), kLeast,
-                                               norm(found.point - point) / guide_.tolerance() - 1.0}));
+            complex_.set_over(
+                owner, std::max({complex_.over(owner), kLeast, norm(found.point - point) / guide_.tolerance() - 1.0}));
     }
 }
 
@@ -93,7 +94,8 @@ void SurfaceWatch::skip_known_edges() {
             const int a = piece.key[k], b = piece.key[(k + 1) % 3];
             bool known = false;
             if (a != vertex_ && b != vertex_)
-                known = std::any_of(old_.begin(), old_.end(), [&](const Piece &p) { return has(p, piece.patch, a, b); });
+                known =
+                    std::any_of(old_.begin(), old_.end(), [&](const Piece &p) { return has(p, piece.patch, a, b); });
             for (std::size_t j = 0; j < i && !known; ++j)
                 known = has(new_[j], piece.patch, a, b);
             if (known)
@@ -112,7 +114,8 @@ bool SurfaceWatch::allows_replacing() {
             continue;
         if (allowed <= 0.0)
             return false;
-        piece.over = std::max(kLeast, guide_.gap(piece.patch, piece.corners).distance / guide_.tolerance() - 1.0);
+        piece.over =
+            std::max(kLeast, guide_.gap(piece.patch, piece.corners, piece.hints).distance / guide_.tolerance() - 1.0);
     }
     if (!landmarks_covered())
         return false;
@@ -123,6 +126,7 @@ bool SurfaceWatch::replace() {
     for (const Piece &piece : new_) {
         complex_.add_facet(piece.key, piece.patch);
         complex_.set_over(piece.key, piece.over);
+        complex_.set_hints(piece.key, piece.hints);
     }
     for (const Handed &handed : handed_)
         complex_.hand_landmark(handed.landmark, handed.to);
@@ -138,6 +142,7 @@ void SurfaceWatch::gather(int v) {
     for (std::size_t k = 0; k < facets_.size(); ++k) {
         Piece one = piece(facets_[k], patches_[k]);
         one.over = one.was_over = complex_.over(one.key);
+        one.hints = complex_.hints(one.key);
         old_.push_back(one);
     }
     new_ = old_;
@@ -163,19 +168,19 @@ bool SurfaceWatch::allows(const Vec3 &x) {
     for (Piece &piece : new_) {
         piece.over = 0.0;
         piece.pull = {};
-        if (piece.planar || guide_.near(piece.patch, piece.corners, piece.was_over > 0.0 ? 7u : piece.edges, piece.hints))
+        if (piece.planar ||
+            guide_.near(piece.patch, piece.corners, piece.was_over > 0.0 ? 7u : piece.edges, piece.hints))
             continue;
         if (piece.was_over <= 0.0)
             return false;
-        const auto gap = guide_.gap(piece.patch, piece.corners);
+        const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints);
         const auto &[a, b, c] = piece.corners;
         farther(piece, gap.distance / guide_.tolerance() - 1.0,
                 gap.weights.x * a + gap.weights.y * b + gap.weights.z * c, gap.to_surface);
     }
     if (!landmarks_covered())
         return false;
-    return std::none_of(new_.begin(), new_.end(),
-                        [](const Piece &p) { return p.over > p.was_over * (1.0 + 1e-9); });
+    return std::none_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > p.was_over * (1.0 + 1e-9); });
 }
 
 /// The piece is over by this much where its point `at` should go `to_surface`.
@@ -211,8 +216,10 @@ void SurfaceWatch::settle(const Vec3 &x) {
         allows(x);
     for (const Handed &handed : handed_)
         complex_.hand_landmark(handed.landmark, handed.to);
-    for (const Piece &piece : new_)
+    for (const Piece &piece : new_) {
         complex_.set_over(piece.key, piece.over);
+        complex_.set_hints(piece.key, piece.hints);
+    }
 }
 
 bool SurfaceWatch::landmarks_covered() {

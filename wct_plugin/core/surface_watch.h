@@ -9,8 +9,9 @@
 namespace wct {
 
 /// Keeps the surface facets of a complex and the surface they stand for within the tolerance of each other, both ways,
-/// while facets move or are replaced: the facets by where they are, the surface by its landmarks, each of which is owned
-/// by a facet that covers it. A facet that was beyond the tolerance from the start may stay so, but not get farther.
+/// while facets move or are replaced: the facets by where they are, the surface by its landmarks, each of which is
+/// owned by a facet that covers it. A facet that was beyond the tolerance from the start may stay so, but not get
+/// farther.
 class SurfaceWatch {
   public:
     SurfaceWatch(TetComplex &complex, const SurfaceGuide &guide) : complex_(complex), guide_(guide) {}
@@ -45,7 +46,7 @@ class SurfaceWatch {
         double was_over = 0.0;
         double over = 0.0;
         Vec3 pull; // gradient of over with respect to the moving vertex
-        SurfaceGuide::Hints hints{};
+        SurfaceHints hints{};
     };
     struct Handed {
         int landmark;

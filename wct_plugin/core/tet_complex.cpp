@@ -82,8 +82,7 @@ double TetComplex::over(const Tet &tet) const {
     double sum = 0.0;
     for (const auto &facet : kFacets) {
         const int a = tet[facet[0]], b = tet[facet[1]], c = tet[facet[2]];
-        if (vertices_[a].stratum == Stratum::interior || vertices_[b].stratum == Stratum::interior ||
-            vertices_[c].stratum == Stratum::interior)
+        if (over_at_[a] == 0 || over_at_[b] == 0 || over_at_[c] == 0)
             continue;
         const auto found = surface_.find(sorted(a, b, c));
         if (found != surface_.end() && found->second.over > 0.0)
@@ -97,8 +96,14 @@ void TetComplex::set_over(const Facet &key, double over) {
     if (facet.over == over)
         return;
     note({Kind::set_over, 0, facet.over, {}, key});
-    over_count_ += (over > 0.0) - (facet.over > 0.0);
+    count_over(key, (over > 0.0) - (facet.over > 0.0));
     facet.over = over;
+}
+
+void TetComplex::count_over(const Facet &key, int change) {
+    over_count_ += change;
+    for (int v : key)
+        over_at_[v] += change;
 }
 
 void TetComplex::own(int landmark, const Facet &owner) {
@@ -134,13 +139,13 @@ void TetComplex::hand_landmark(int landmark, const Facet &owner) {
 }
 
 void TetComplex::put_facet(const Facet &key, int patch, double over) {
-    surface_[key] = {patch, -1, over};
-    over_count_ += over > 0.0;
+    surface_[key] = {patch, -1, over, {}};
+    count_over(key, over > 0.0);
 }
 
 void TetComplex::drop_facet(const Facet &key) {
     const auto found = surface_.find(key);
-    over_count_ -= found->second.over > 0.0;
+    count_over(key, -(found->second.over > 0.0));
     surface_.erase(found);
 }
 
@@ -176,6 +181,7 @@ void TetComplex::unlink(int t) {
 int TetComplex::add_vertex(const Vertex &vertex) {
     vertices_.push_back(vertex);
     stars_.emplace_back();
+    over_at_.emplace_back();
     note({Kind::added_vertex, 0, 0.0, {}, {}});
     return static_cast<int>(vertices_.size()) - 1;
 }
@@ -263,6 +269,7 @@ void TetComplex::rollback() {
         case Kind::added_vertex:
             vertices_.pop_back();
             stars_.pop_back();
+            over_at_.pop_back();
             break;
         case Kind::moved:
             vertices_[entry.index].position = entry.position;
@@ -285,7 +292,7 @@ void TetComplex::rollback() {
             break;
         case Kind::set_over: {
             double &over = surface_.at(entry.key).over;
-            over_count_ += (entry.energy > 0.0) - (over > 0.0);
+            count_over(entry.key, (entry.energy > 0.0) - (over > 0.0));
             over = entry.energy;
             break;
         }

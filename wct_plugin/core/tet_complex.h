@@ -21,6 +21,10 @@ struct KeyHash {
     std::size_t operator()(const Facet &key) const;
 };
 
+/// Pieces of the surface that parts of a facet were last found near: where to look first. Old ones cost time, no more,
+/// so that they are in no journal.
+using SurfaceHints = std::array<std::int32_t, 13>;
+
 struct Vertex {
     Vec3 position;
     Stratum stratum = Stratum::interior;
@@ -54,8 +58,9 @@ class TetComplex {
 
     struct SurfaceFacet {
         int patch = -1;
-        int landmark = -1;  // first of the surface's landmarks that it covers
+        int landmark = -1; // first of the surface's landmarks that it covers
         double over = 0.0; // how far it and its landmarks are apart beyond the tolerance, in tolerances
+        SurfaceHints hints{};
     };
     /// Patch of a surface facet, -1 for an interior one.
     int patch_of(int a, int b, int c) const;
@@ -65,6 +70,8 @@ class TetComplex {
     double over(const Tet &tet) const;
     double over(const Facet &key) const { return surface_.at(key).over; }
     void set_over(const Facet &key, double over);
+    const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
+    void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
     /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
     int first_landmark(const Facet &key) const { return surface_.at(key).landmark; }
     int next_landmark(int landmark) const { return landmarks_[landmark].next; }
@@ -126,6 +133,7 @@ class TetComplex {
         Facet owner;
         int next, previous; // in the list of the owner's; -1 at its ends
     };
+    void count_over(const Facet &key, int change);
     void put_facet(const Facet &key, int patch, double over);
     void drop_facet(const Facet &key);
     void own(int landmark, const Facet &owner);
@@ -141,7 +149,8 @@ class TetComplex {
     std::vector<std::uint8_t> alive_;
     std::vector<int> free_; // dead slots nobody can ask back
     std::unordered_map<Facet, SurfaceFacet, KeyHash> surface_;
-    int over_count_ = 0; // facets beyond the tolerance
+    std::vector<int> over_at_; // per vertex: its facets beyond the tolerance
+    int over_count_ = 0;
     std::vector<Landmark> landmarks_;
     std::unordered_map<Edge, int, KeyHash> creases_;
     double total_ = 0.0;
