@@ -1,5 +1,7 @@
 #include "search.h"
 
+#include "surface_balance.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -42,7 +44,7 @@ SearchForm margin_form(bool acute, double margin) {
 } // namespace
 
 Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
-    : complex_(complex), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
+    : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
       operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_), random_(options.seed) {
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
@@ -427,8 +429,9 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         adopt(margin_form(options_.acute, options_.margin));
         sweep(recipes[1]);
         kick_until_good(progress, "margin", options_.kicks);
-        adopt(sharp_form(options_.acute));
     }
+    SurfaceBalance(complex_, energy_, guide_, descent_).run();
+    adopt(sharp_form(options_.acute));
     outcome_.bad = count_bad();
     outcome_.evaluations = energy_.evaluations();
     return outcome_;

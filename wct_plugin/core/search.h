@@ -73,6 +73,7 @@ class Search {
     double clearance() const;
 
     TetComplex &complex_;
+    const SurfaceGuide &guide_;
     SearchOptions options_;
     SearchEnergy energy_;
     SurfaceWatch watch_;

@@ -231,6 +231,24 @@ SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corner
     return worst;
 }
 
+double SurfaceGuide::offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const {
+    // The middles of the edges: exact where the distance is quadratic over the facet, as it is over a smooth surface.
+    const BoundingTree<3> &tree = patches_[patch].tree;
+    double sum = 0.0;
+    for (int k = kInner; k < kSamples; ++k) {
+        const Vec3 x = blend(kWeights[k], corners);
+        const auto found = tree.closest(x, hints[k]);
+        const Vec3 off = x - found.point;
+        sum += dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
+    }
+    return sum / (kSamples - kInner);
+}
+
+Vec3 SurfaceGuide::normal(int patch, const Vec3 &x) const {
+    const BoundingTree<3> &tree = patches_[patch].tree;
+    return unit(normal_of(tree.pieces()[tree.closest(x).piece]));
+}
+
 bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const {
     const Curve &guide = curves_[curve];
     if (guide.straight)

@@ -45,6 +45,7 @@ class SurfaceGuide {
     }
 
     double tolerance() const { return tolerance_; }
+    std::size_t patches() const { return patches_.size(); }
     bool planar(int patch) const { return patches_[patch].planar; }
 
     /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges`
@@ -58,6 +59,10 @@ class SurfaceGuide {
         Vec3 weights, to_surface;
     };
     Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const;
+    /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
+    double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
+    /// Unit normal of the patch where it is closest to x.
+    Vec3 normal(int patch, const Vec3 &x) const;
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
 
     /// Points of the surface that facets must stay near, too: vertices of curved patches, and points on edges where
