@@ -250,6 +250,17 @@ void TetComplex::rollback() {
     total_ = mark.total;
 }
 
+void TetComplex::changed(std::vector<int> &tets) const {
+    tets.clear();
+    for (std::size_t k = marks_.back().entries; k < journal_.size(); ++k) {
+        const Kind kind = journal_[k].kind;
+        if (kind == Kind::added_tet || kind == Kind::removed_tet || kind == Kind::set_energy)
+            tets.push_back(journal_[k].index);
+    }
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+}
+
 void TetComplex::resum() {
     total_ = 0.0;
     for (std::size_t t = 0; t < tets_.size(); ++t)

@@ -81,6 +81,8 @@ class TetComplex {
     void rollback();
     /// Change of `total()` since the last mark.
     double gain() const { return total_ - marks_.back().total; }
+    /// Tets added, removed or measured anew since the last mark, each once, in ascending order.
+    void changed(std::vector<int> &tets) const;
     /// Recompute the sum from scratch: rounding in `total()` does not pile up over long runs.
     void resum();
 
