@@ -35,7 +35,8 @@ void Kicks::shake(int t, const Kick &kick) {
     for (int k = 0; k < kick.operators; ++k) {
         const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
         if (complex_.used(v))
-            repair_.random_operator(complex_.star(v)[random_.below(static_cast<int>(complex_.star(v).size()))], kick.slack);
+            repair_.random_operator(complex_.star(v)[random_.below(static_cast<int>(complex_.star(v).size()))],
+                                    kick.slack);
     }
     for (int round = 0; round < 3; ++round) {
         vertices = operators_.touched;
@@ -45,16 +46,29 @@ void Kicks::shake(int t, const Kick &kick) {
     }
 }
 
+void Kicks::near_changed(const Vec3 &center, double radius) {
+    constexpr std::size_t most = 48; // where much falls short, all of it within the radius would be a sweep of its own
+    complex_.changed(changed_);
+    nearest_.clear();
+    for (int t : changed_) {
+        if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
+            continue;
+        const double distance = norm(complex_.point(complex_.tet(t)[0]) - center);
+        if (distance <= radius)
+            nearest_.push_back({distance, t});
+    }
+    std::sort(nearest_.begin(), nearest_.end());
+    nearest_.resize(std::min(nearest_.size(), most));
+    changed_.clear();
+    for (const auto &[distance, t] : nearest_)
+        changed_.push_back(t);
+}
+
 bool Kicks::repair(const Kick &kick, const Vec3 &center, double radius) {
     double previous = std::numeric_limits<double>::infinity();
     const int rounds = kick.wide ? 7 : 4;
     for (int round = 0; round < rounds; ++round) {
-        // What the kick left as it was has been tried before.
-        complex_.changed(changed_);
-        std::erase_if(changed_, [&](int t) {
-            return !complex_.alive(t) || complex_.energy(t) <= 0.0 ||
-                   norm(complex_.point(complex_.tet(t)[0]) - center) > radius;
-        });
+        near_changed(center, radius);
         repair_.pass(Repair::recipes[kick.wide ? round % 3 : std::min(round, 2)], changed_);
         const double gain = complex_.gain();
         if (kick.wide ? (round >= 1 && gain > 6.0) || (round >= 3 && gain > 1.2)
@@ -68,18 +82,19 @@ bool Kicks::repair(const Kick &kick, const Vec3 &center, double radius) {
 }
 
 bool Kicks::once() {
-    static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0, false},  {1.4, 0.2, 4, 6.0, false},  {0.9, 0.3, 4, 10.0, false},
-                                     {1.7, 0.3, 8, 8.0, false},   {1.6, 0.35, 14, 30.0, true}, {2.2, 0.3, 16, 20.0, true},
-                                     {2.8, 0.25, 28, 20.0, true}};
-    constexpr int patience = 10; // failures before the next larger kick joins in
+    static constexpr Kick kicks[] = {
+        {1.0, 0.12, 2, 4.0, false},  {1.4, 0.2, 4, 6.0, false},  {0.9, 0.3, 4, 10.0, false}, {1.7, 0.3, 8, 8.0, false},
+        {1.6, 0.35, 14, 30.0, true}, {2.2, 0.3, 16, 20.0, true}, {2.8, 0.25, 28, 20.0, true}};
+    constexpr int patience = 40; // failures before the next wide kick joins in
+    constexpr int small = 4;
     const int t = agenda_.next();
     const int failures = agenda_.failures(t);
-    const int choices = std::min<int>(std::size(kicks), 1 + failures / patience);
+    const int choices = std::min<int>(std::size(kicks), small + failures / patience);
     const Kick &kick = kicks[random_.below(choices)];
     const Tet tet = complex_.tet(t);
     const Vec3 center =
         0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
-    const double radius = (kick.wide ? 3.1 : 2.3) * complex_.vertex(tet[0]).size;
+    const double radius = (kick.wide ? 4.6 : 3.5) * complex_.vertex(tet[0]).size;
     complex_.mark();
     shake(t, kick);
     if (!repair(kick, center, radius)) {

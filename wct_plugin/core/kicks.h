@@ -32,6 +32,9 @@ class Kicks {
     };
     void ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out);
     void shake(int t, const Kick &kick);
+    /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
+    /// has been tried before.
+    void near_changed(const Vec3 &center, double radius);
     bool repair(const Kick &kick, const Vec3 &center, double radius);
 
     TetComplex &complex_;
@@ -43,6 +46,7 @@ class Kicks {
     std::vector<int> marks_;
     int mark_ = 0;
     std::vector<int> changed_;
+    std::vector<std::pair<double, int>> nearest_;
 };
 
 } // namespace wct

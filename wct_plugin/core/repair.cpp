@@ -5,7 +5,7 @@
 namespace wct {
 
 namespace {
-constexpr double kAny = 1e-7; // an energy drop worth keeping
+constexpr double kAny = 1e-5; // an energy drop worth keeping
 } // namespace
 
 const Repair::Recipe Repair::recipes[3] = {{edges | facets | collapses, 1.0, 2, 4, 1},
@@ -145,42 +145,66 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
     }
 }
 
-int Repair::pass(const Recipe &recipe, const std::vector<int> &tets) {
+void Repair::improve(const Recipe &recipe, int t) {
     static constexpr std::pair<unsigned, int> variants[] = {{edges, 6},   {facets, 4}, {collapses, 12}, {splits, 6},
                                                             {inserts, 2}, {nudges, 2}, {chains, 12}};
+    tries_.clear();
+    for (const auto &[kind, count] : variants)
+        for (int k = 0; k < count && (recipe.operators & kind); ++k)
+            tries_.push_back({kind, k});
+    random_.shuffle(tries_);
+    for (const auto &[kind, variant] : tries_) {
+        if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
+            break;
+        complex_.mark();
+        operators_.touched.clear();
+        if (attempt(kind, variant, t, recipe.slack)) {
+            relax_touched(recipe);
+            if (complex_.gain() < -kAny) {
+                complex_.changed(changed_);
+                changed_at_.resize(complex_.tet_slots(), 0);
+                ++clock_;
+                for (int s : changed_)
+                    changed_at_[s] = clock_;
+                complex_.commit();
+                continue;
+            }
+        }
+        complex_.rollback();
+    }
+}
+
+void Repair::pass(const Recipe &recipe, const std::vector<int> &tets) {
     order_.clear();
     for (int t : tets)
         if (complex_.alive(t) && complex_.energy(t) > 0.0)
             order_.push_back({-complex_.energy(t), t});
     std::sort(order_.begin(), order_.end()); // worst first, ties by number
-    int kept = 0;
-    for (const auto &[minus_energy, t] : order_) {
-        if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
-            continue;
-        tries_.clear();
-        for (const auto &[kind, count] : variants)
-            for (int k = 0; k < count && (recipe.operators & kind); ++k)
-                tries_.push_back({kind, k});
-        random_.shuffle(tries_);
-        for (const auto &[kind, variant] : tries_) {
-            if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
-                break;
-            complex_.mark();
-            operators_.touched.clear();
-            if (!attempt(kind, variant, t, recipe.slack)) {
-                complex_.rollback();
-                continue;
-            }
-            relax_touched(recipe);
-            if (complex_.gain() < -kAny) {
-                complex_.commit();
-                ++kept;
-            } else {
-                complex_.rollback();
-            }
-        }
-    }
-    return kept;
+    for (const auto &[minus_energy, t] : order_)
+        if (complex_.alive(t) && complex_.energy(t) > 0.0)
+            improve(recipe, t);
+}
+
+bool Repair::changed_since(int t, int when) const {
+    for (int v : complex_.tet(t))
+        for (int s : complex_.star(v))
+            if (changed_at_[s] > when)
+                return true;
+    return false;
+}
+
+void Repair::pass_changed(int recipe, const std::vector<int> &tets) {
+    changed_at_.resize(complex_.tet_slots(), 0);
+    tried_at_[recipe].resize(complex_.tet_slots(), -1);
+    std::vector<int> left;
+    for (int t : tets)
+        if (tried_at_[recipe][t] < 0 || changed_since(t, tried_at_[recipe][t]))
+            left.push_back(t);
+    pass(recipes[recipe], left);
+    changed_at_.resize(complex_.tet_slots(), 0);
+    tried_at_[recipe].resize(complex_.tet_slots(), -1);
+    for (int t : left)
+        tried_at_[recipe][t] = clock_;
 }
 
 } // namespace wct

@@ -25,8 +25,10 @@ class Repair {
     Repair(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent, Random &random)
         : complex_(complex), energy_(energy), operators_(operators), descent_(descent), random_(random) {}
 
-    /// One pass over the tets, worst first; those that are gone or good by then are left out. Returns the changes kept.
-    int pass(const Recipe &recipe, const std::vector<int> &tets);
+    /// One pass over the tets, worst first; those that are gone or good by then are left out.
+    void pass(const Recipe &recipe, const std::vector<int> &tets);
+    /// The same, but tets tried in vain by this recipe before are left out until something changes round them.
+    void pass_changed(int recipe, const std::vector<int> &tets);
     /// A random change of connectivity at t that need not be good.
     bool random_operator(int t, double slack);
     /// Flips that lower the energy, round the given vertices.
@@ -36,6 +38,8 @@ class Repair {
     bool attempt(unsigned kind, int variant, int t, double slack);
     bool chain(int t);
     void relax_touched(const Recipe &recipe);
+    void improve(const Recipe &recipe, int t);
+    bool changed_since(int t, int when) const;
 
     TetComplex &complex_;
     const SearchEnergy &energy_;
@@ -44,6 +48,10 @@ class Repair {
     Random &random_;
     std::vector<std::pair<double, int>> order_;
     std::vector<std::pair<unsigned, int>> tries_;
+    int clock_ = 0;
+    std::vector<int> changed_at_;  // by tet
+    std::vector<int> tried_at_[3]; // by tet, for each recipe
+    std::vector<int> changed_;
 };
 
 } // namespace wct

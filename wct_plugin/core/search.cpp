@@ -63,12 +63,12 @@ int Search::count_bad() const {
     return bad;
 }
 
-void Search::sweep(const Repair::Recipe &recipe) {
+void Search::sweep(int recipe) {
     std::vector<int> tets;
     for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
         if (complex_.alive(static_cast<int>(t)) && complex_.energy(static_cast<int>(t)) > 0.0)
             tets.push_back(static_cast<int>(t));
-    repair_.pass(recipe, tets);
+    repair_.pass_changed(recipe, tets);
 }
 
 double Search::clearance() const {
@@ -112,18 +112,35 @@ void Search::flag_off() {
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase, long kicks) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
-    for (long done = 0; kicks_.bad() > 0 && done < kicks; ++done) {
+    int least = kicks_.bad();
+    long vain = 0; // kicks since there were fewer bad tets than ever before
+    for (long done = 0; kicks_.bad() > 0; ++done) {
+        const long limit = patience(kicks, least);
+        if (vain >= limit)
+            return false;
         if (done % rest == 0)
             complex_.resum();
         outcome_.bad = kicks_.bad();
-        if (done % 8 == 0 && !progress(phase, static_cast<double>(done) / static_cast<double>(kicks), outcome_.bad)) {
+        if (done % 8 == 0 && !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
             outcome_.stopped = true;
             return false;
         }
         ++outcome_.kicks;
         outcome_.accepted += kicks_.once();
+        ++vain;
+        if (kicks_.bad() < least) {
+            least = kicks_.bad();
+            vain = 0;
+        }
     }
-    return kicks_.bad() == 0;
+    return true;
+}
+
+long Search::patience(long kicks, int bad) const {
+    // Few bad tets in many are worth long trying, and there will not be many such phases; where a good part of the mesh
+    // is bad, as round a surface that may not change, most of it is hopeless.
+    const double share = (static_cast<double>(complex_.tets()) + 2000.0) / (8000.0 * std::max(bad, 1));
+    return std::max(1L, static_cast<long>(static_cast<double>(kicks) * std::clamp(share, 0.005, 1.0)));
 }
 
 SearchOutcome Search::run(const SearchProgress &progress) {
@@ -137,7 +154,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         adopt(k % 3 == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
         if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0)
             break;
-        sweep(Repair::recipes[k % 3]);
+        sweep(k % 3);
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
@@ -145,7 +162,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     if (good) {
         polish();
         adopt(margin_form(options_.acute, options_.margin));
-        sweep(Repair::recipes[1]);
+        sweep(1);
         kick_until_good(progress, "margin", options_.kicks);
         adopt(sharp_form(options_.acute));
     }

@@ -12,8 +12,8 @@ struct SearchOptions {
     double margin = 0.02; // clearance in h/R and cosine the polish aims at
     bool flip_surface = true;
     bool split_surface = true;
-    int passes = 12;    // greatest number of sweeps over all tets that fall short
-    long kicks = 20000; // greatest number of tries of the iterated local search
+    int passes = 12;   // greatest number of sweeps over all tets that fall short
+    long kicks = 4000; // tries of the iterated local search in vain after which it stops; fewer where much is bad
     std::uint64_t seed = 0;
 };
 
@@ -42,8 +42,10 @@ class Search {
   private:
     void adopt(const SearchForm &form);
     int count_bad() const;
-    void sweep(const Repair::Recipe &recipe);
+    void sweep(int recipe);
     void flag_off();
+    /// How many kicks in vain to bear with this many bad tets left.
+    long patience(long kicks, int bad) const;
     bool kick_until_good(const SearchProgress &progress, const char *phase, long kicks);
     void polish();
     double clearance() const;

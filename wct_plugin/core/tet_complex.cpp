@@ -111,6 +111,7 @@ void TetComplex::link(int t) {
     for (int v : tets_[t])
         stars_[v].push_back(t);
     alive_[t] = 1;
+    ++alive_count_;
     total_ += energies_[t];
 }
 
@@ -121,6 +122,7 @@ void TetComplex::unlink(int t) {
         star.pop_back();
     }
     alive_[t] = 0;
+    --alive_count_;
     total_ -= energies_[t];
 }
 

@@ -34,6 +34,8 @@ class TetComplex {
   public:
     std::size_t vertex_slots() const { return vertices_.size(); }
     std::size_t tet_slots() const { return tets_.size(); }
+    /// How many tets are alive.
+    std::size_t tets() const { return alive_count_; }
 
     const Vertex &vertex(int v) const { return vertices_[v]; }
     const Vec3 &point(int v) const { return vertices_[v].position; }
@@ -127,6 +129,7 @@ class TetComplex {
     std::unordered_map<Facet, SurfaceFacet, KeyHash> surface_;
     int off_count_ = 0;
     std::unordered_map<Edge, int, KeyHash> creases_;
+    std::size_t alive_count_ = 0;
     double total_ = 0.0;
     std::vector<Entry> journal_;
     std::vector<Mark> marks_;
