@@ -14,31 +14,35 @@ constexpr int kLargestRing = 9;
 bool Operators::plan(Fan &fan, int a, int b) {
     const int n = static_cast<int>(fan.polygon.size());
     const std::vector<int> &p = fan.polygon;
+    const auto at = [n](int i, int k, int j) { return (i * n + k) * n + j; };
     candidates_.clear();
+    pairs_.clear();
+    fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
     for (int i = 0; i < n; ++i)
         for (int k = i + 1; k < n; ++k)
             for (int j = k + 1; j < n; ++j) {
-                candidates_.push_back({p[i], p[k], p[j], b});
-                candidates_.push_back({p[j], p[k], p[i], a});
+                const Tet below{p[i], p[k], p[j], b}, above{p[j], p[k], p[i], a};
+                if (!SearchEnergy::positive(complex_, below) || !SearchEnergy::positive(complex_, above))
+                    continue;
+                candidates_.push_back(below);
+                candidates_.push_back(above);
+                pairs_.push_back(at(i, k, j));
             }
+    if (static_cast<int>(pairs_.size()) < n - 2)
+        return false;
     energies_.resize(candidates_.size());
     energy_.of(complex_, candidates_, energies_.data());
+    for (std::size_t k = 0; k < pairs_.size(); ++k)
+        fan.pair[pairs_[k]] = energies_[2 * k] + energies_[2 * k + 1];
     // cost[i][j]: cheapest triangulation of p[i..j], with its edge i-j closing it
     fan.cost.assign(static_cast<std::size_t>(n) * n, 0.0);
     fan.choice.assign(static_cast<std::size_t>(n) * n, -1);
-    const auto pair_cost = [&](int i, int k, int j) {
-        // rank of (i, k, j) in the order above
-        const auto choose2 = [](int m) { return m * (m - 1) / 2; };
-        const auto choose3 = [](int m) { return m * (m - 1) * (m - 2) / 6; };
-        const int rank = choose3(n) - choose3(n - i) + choose2(n - i - 1) - choose2(n - k) + (j - k - 1);
-        return energies_[2 * rank] + energies_[2 * rank + 1];
-    };
     for (int length = 2; length < n; ++length)
         for (int i = 0; i + length < n; ++i) {
             const int j = i + length;
             double best = kInfinity;
             for (int k = i + 1; k < j; ++k) {
-                const double cost = fan.cost[i * n + k] + fan.cost[k * n + j] + pair_cost(i, k, j);
+                const double cost = fan.cost[i * n + k] + fan.cost[k * n + j] + fan.pair[at(i, k, j)];
                 if (cost < best) {
                     best = cost;
                     fan.choice[i * n + j] = k;
@@ -55,6 +59,7 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
     const int region = complex_.region(fan.tets[0]);
     for (int t : fan.tets)
         complex_.remove_tet(t);
+    candidates_.clear();
     Edge stack[2 * kLargestRing];
     int top = 0;
     stack[top++] = {0, n - 1};
@@ -63,14 +68,15 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
         if (j - i < 2)
             continue;
         const int k = fan.choice[i * n + j];
-        const Tet two[2] = {{p[i], p[k], p[j], b}, {p[j], p[k], p[i], a}};
-        double energies[2];
-        energy_.of(complex_, two, energies);
-        complex_.add_tet(two[0], region, energies[0]);
-        complex_.add_tet(two[1], region, energies[1]);
+        candidates_.push_back({p[i], p[k], p[j], b});
+        candidates_.push_back({p[j], p[k], p[i], a});
         stack[top++] = {i, k};
         stack[top++] = {k, j};
     }
+    energies_.resize(candidates_.size());
+    energy_.of(complex_, candidates_, energies_.data());
+    for (std::size_t k = 0; k < candidates_.size(); ++k)
+        complex_.add_tet(candidates_[k], region, energies_[k]);
     for (int v : p)
         touch(v);
 }
@@ -172,8 +178,7 @@ bool Operators::flip_23(int t, int i, double slack) {
             a = v;
     const Tet three[3] = {{a, b, x, y}, {a, b, y, z}, {a, b, z, x}};
     double energies[3];
-    energy_.of(complex_, three, energies);
-    if (!(energies[0] + energies[1] + energies[2] < complex_.energy(t) + complex_.energy(s) + slack))
+    if (!energy_.below(complex_, three, complex_.energy(t) + complex_.energy(s) + slack, energies))
         return false;
     const int region = complex_.region(t);
     complex_.remove_tet(t);

@@ -45,6 +45,7 @@ template <int twice> WCT_INLINE void half_power(double d, double &value, double 
 }
 
 /// What a penalty reads and writes, four values per tet: `factor` scales the slopes, and where it is zero so are they.
+/// No slopes are written where `slopes` is null.
 struct Penalty {
     const Lanes *values;
     const Lanes *factor;
@@ -56,7 +57,7 @@ struct Penalty {
 };
 
 /// Adds weight * max(0, margin - value)^(twice/2) + quality * (value - 1/3)^2 to the energy and writes its slopes.
-template <int twice> WCT_INLINE void hinge_half(const Penalty &penalty) {
+template <int twice, bool sloped> WCT_INLINE void hinge_half(const Penalty &penalty) {
     const Lanes *__restrict values = penalty.values;
     const Lanes *__restrict factor = penalty.factor;
     Lanes *__restrict energy = penalty.energy;
@@ -65,7 +66,7 @@ template <int twice> WCT_INLINE void hinge_half(const Penalty &penalty) {
     const double weight = penalty.weight;
     const double quality = penalty.quality;
     for (int lane = 0; lane < kLanes; ++lane) {
-        const double scale = factor->at[lane];
+        [[maybe_unused]] const double scale = factor->at[lane];
         double sum = 0.0;
         for (int i = 0; i < 4; ++i) {
             double value = 0.0;
@@ -73,8 +74,10 @@ template <int twice> WCT_INLINE void hinge_half(const Penalty &penalty) {
             half_power<twice>(larger(0.0, margin - values[i].at[lane]), value, slope);
             const double off = values[i].at[lane] - 1.0 / 3.0;
             sum += weight * value + quality * off * off;
-            const double total = 2.0 * quality * off - weight * slope;
-            slopes[i].at[lane] = scale != 0.0 ? scale * total : 0.0;
+            if constexpr (sloped) {
+                const double total = 2.0 * quality * off - weight * slope;
+                slopes[i].at[lane] = scale != 0.0 ? scale * total : 0.0;
+            }
         }
         energy->at[lane] += sum;
     }
@@ -88,23 +91,25 @@ void hinge_any(const Penalty &penalty, double power) {
             const double below = d > 0.0 ? std::pow(d, power - 1.0) : 0.0;
             const double off = penalty.values[i][lane] - 1.0 / 3.0;
             penalty.energy->at[lane] += (d > 0.0 ? penalty.weight * below * d : 0.0) + penalty.quality * off * off;
+            if (!penalty.slopes)
+                continue;
             const double total = 2.0 * penalty.quality * off - penalty.weight * power * below;
             const double scale = penalty.factor->at[lane];
             penalty.slopes[i][lane] = scale != 0.0 ? scale * total : 0.0;
         }
 }
 
-WCT_INLINE void hinge(const Penalty &penalty, double power) {
+template <bool sloped> WCT_INLINE void hinge(const Penalty &penalty, double power) {
     if (power == 1.0)
-        hinge_half<2>(penalty);
+        hinge_half<2, sloped>(penalty);
     else if (power == 1.5)
-        hinge_half<3>(penalty);
+        hinge_half<3, sloped>(penalty);
     else if (power == 2.0)
-        hinge_half<4>(penalty);
+        hinge_half<4, sloped>(penalty);
     else if (power == 2.5)
-        hinge_half<5>(penalty);
+        hinge_half<5, sloped>(penalty);
     else if (power == 3.0)
-        hinge_half<6>(penalty);
+        hinge_half<6, sloped>(penalty);
     else
         hinge_any(penalty, power);
 }
@@ -293,9 +298,9 @@ TermLanes flatness_terms(double flatness) {
     return terms;
 }
 
-WCT_MULTIVERSION
-void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy,
-              SlopeLanes &slopes) {
+template <bool sloped>
+WCT_INLINE void penalize_lanes(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy,
+                               SlopeLanes *slopes) {
     Lanes sum{};
     Lanes factor;
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -316,13 +321,27 @@ void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &
         broken[lane] = factor[lane] != 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
         factor[lane] *= terms.weight[lane];
     }
-    hinge(Penalty{shape.height, &factor, form.margin3, 1.0, form.weight_quality, &sum, slopes.height}, form.power3);
+    hinge<sloped>(
+        Penalty{shape.height, &factor, form.margin3, 1.0, form.weight_quality, &sum, sloped ? slopes->height : nullptr},
+        form.power3);
     if (form.cosines())
         for (int k = 0; k < 12; k += 4)
-            hinge(Penalty{shape.cosine + k, &factor, form.margin2, form.weight2, 0.0, &sum, slopes.cosine + k},
-                  form.power2);
+            hinge<sloped>(Penalty{shape.cosine + k, &factor, form.margin2, form.weight2, 0.0, &sum,
+                                  sloped ? slopes->cosine + k : nullptr},
+                          form.power2);
     for (int lane = 0; lane < kLanes; ++lane)
         energy[lane] = broken[lane] == 0.0 ? terms.weight[lane] * sum[lane] : broken[lane];
+}
+
+WCT_MULTIVERSION
+void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy,
+              SlopeLanes &slopes) {
+    penalize_lanes<true>(shape, form, terms, energy, &slopes);
+}
+
+WCT_MULTIVERSION
+void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy) {
+    penalize_lanes<false>(shape, form, terms, energy, nullptr);
 }
 
 // The chain rule for h_i = n_i . (C - x_j), j any corner of facet i:

@@ -95,6 +95,8 @@ TermLanes flatness_terms(double flatness);
 /// Energy per lane, and its slopes. Where a bound of `terms` is broken the energy is infinite and the slopes are zero.
 void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy,
               SlopeLanes &slopes);
+/// The energy alone.
+void penalize(const ShapeLanes &shape, const EnergyForm &form, const TermLanes &terms, Lanes &energy);
 
 /// Pull slopes back to all four corners.
 void differentiate(const TetLanes &tets, const ShapeLanes &shape, const SlopeLanes &slopes, bool cosines,

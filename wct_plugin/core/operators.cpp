@@ -79,11 +79,7 @@ bool Operators::ring(int a, int b, Ring &ring) const {
 
 bool Operators::candidates_below(double limit) {
     energies_.resize(candidates_.size());
-    energy_.of(complex_, candidates_, energies_.data());
-    double cost = 0.0;
-    for (double e : energies_)
-        cost += e;
-    return cost < limit; // not where a candidate is infinite
+    return energy_.below(complex_, candidates_, limit, energies_.data());
 }
 
 } // namespace wct

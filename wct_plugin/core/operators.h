@@ -52,7 +52,7 @@ class Operators {
     struct Fan {
         std::vector<int> polygon;
         std::vector<int> tets;
-        bool surface = false; // its closing edge becomes a surface edge
+        std::vector<double> pair; // energy of the two tets over triangle (i, k, j) of the polygon
         std::vector<double> cost;
         std::vector<int> choice;
     };
@@ -72,6 +72,7 @@ class Operators {
     std::vector<Tet> candidates_;
     std::vector<double> energies_;
     std::vector<int> regions_;
+    std::vector<int> pairs_;
 };
 
 } // namespace wct

@@ -1,8 +1,6 @@
 #pragma once
 
-#include "operators.h"
-#include "random.h"
-#include "star_descent.h"
+#include "kicks.h"
 
 #include <functional>
 #include <vector>
@@ -14,8 +12,8 @@ struct SearchOptions {
     double margin = 0.02; // clearance in h/R and cosine the polish aims at
     bool flip_surface = true;
     bool split_surface = true;
-    int passes = 12;    // greatest number of sweeps over all tets that fall short
-    long kicks = 20000; // greatest number of tries of the iterated local search
+    int passes = 12;   // greatest number of sweeps over all tets that fall short
+    long kicks = 4000; // tries of the iterated local search in vain after which it stops; fewer where much is bad
     std::uint64_t seed = 0;
 };
 
@@ -42,32 +40,11 @@ class Search {
     SearchOutcome run(const SearchProgress &progress);
 
   private:
-    struct Recipe {
-        unsigned operators; // bits of Kind
-        double slack;       // how much worse an operator may leave things before relaxation
-        int rounds, steps, flips;
-    };
-    enum Kind : unsigned { edges = 1, facets = 2, collapses = 4, splits = 8, inserts = 16, nudges = 32, chains = 64 };
-    struct Kick {
-        double radius, sigma;
-        int operators;
-        double slack;
-    };
-
     void adopt(const SearchForm &form);
     int count_bad() const;
-    void collect_bad(std::vector<int> &out) const;
-    int pass(const Recipe &recipe, std::vector<std::pair<double, int>> &order);
-    int sweep(const Recipe &recipe);
-    int sweep_near(const Recipe &recipe, const Vec3 &center, double radius, int vertex);
-    bool attempt(unsigned kind, int variant, int t, double slack);
-    bool chain(int t);
-    void relax_touched(const Recipe &recipe);
-    void flip_round(const std::vector<int> &vertices);
-    void ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out);
-    void kick(int t, const Kick &kick);
-    bool random_operator(int t, double slack);
-    bool try_kick(int t, bool few);
+    void sweep(int recipe);
+    /// How many kicks in vain to bear with this many bad tets left.
+    long patience(long kicks, int bad) const;
     bool kick_until_good(const SearchProgress &progress, const char *phase, long kicks);
     void polish();
     double clearance() const;
@@ -80,9 +57,8 @@ class Search {
     Operators operators_;
     StarDescent descent_;
     Random random_;
-    std::vector<int> marks_;
-    int mark_ = 0;
-    std::vector<std::pair<double, int>> order_;
+    Repair repair_;
+    Kicks kicks_;
     SearchOutcome outcome_;
 };
 

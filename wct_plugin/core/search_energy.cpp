@@ -1,5 +1,7 @@
 #include "search_energy.h"
 
+#include "multiversion.h"
+
 #include <limits>
 
 namespace wct {
@@ -24,37 +26,63 @@ void load_tet(const TetComplex &complex, const Tet &tet, TetLanes &lanes, int la
 
 } // namespace
 
+WCT_MULTIVERSION
+static void add_needles(const ShapeLanes &shape, double least, double weight, Lanes &energy, SlopeLanes *slopes) {
+    const Lanes *__restrict cosine = shape.cosine;
+    Lanes sum{};
+    for (int k = 0; k < 12; ++k)
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const double over = cosine[k].at[lane] - least;
+            const double needle = over > 0.0 ? over : 0.0;
+            sum.at[lane] += needle * needle;
+        }
+    for (int lane = 0; lane < kLanes; ++lane)
+        energy.at[lane] += weight * sum.at[lane];
+    if (!slopes)
+        return;
+    Lanes *__restrict slope = slopes->cosine;
+    for (int k = 0; k < 12; ++k)
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const double over = cosine[k].at[lane] - least;
+            slope[k].at[lane] += 2.0 * weight * (over > 0.0 ? over : 0.0);
+        }
+}
+
+WCT_MULTIVERSION
+static void add_counts(const ShapeLanes &shape, const SearchForm &form, Lanes &energy) {
+    const ShapeLanes *__restrict s = &shape;
+    const int angles = form.shape.weight2 != 0.0 ? 12 : 0;
+    const SearchForm f = form;
+    Lanes worst = s->height[0];
+    for (int i = 1; i < 4; ++i)
+        for (int lane = 0; lane < kLanes; ++lane)
+            worst.at[lane] = worst.at[lane] < s->height[i].at[lane] ? worst.at[lane] : s->height[i].at[lane];
+    for (int k = 0; k < angles; ++k)
+        for (int lane = 0; lane < kLanes; ++lane)
+            worst.at[lane] = worst.at[lane] < s->cosine[k].at[lane] ? worst.at[lane] : s->cosine[k].at[lane];
+    for (int lane = 0; lane < kLanes; ++lane)
+        energy.at[lane] +=
+            (worst.at[lane] <= f.clearance ? f.count : 0.0) + (worst.at[lane] <= f.hard_clearance ? f.hard_count : 0.0);
+}
+
 void SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient,
                             bool count) const {
     const bool cosines = form_.shape.weight2 != 0.0 || form_.needle_weight != 0.0;
     ShapeLanes shape;
     SlopeLanes slopes;
     measure(tets, cosines, shape);
-    if (cosines && form_.shape.weight2 == 0.0)
-        for (Lanes &slope : slopes.cosine)
-            slope = Lanes{};
-    penalize(shape, form_.shape, terms, energy, slopes);
-    if (form_.needle_weight != 0.0)
-        for (int k = 0; k < 12; ++k)
-            for (int lane = 0; lane < kLanes; ++lane) {
-                const double over = shape.cosine[k][lane] - form_.needle_cosine;
-                const double needle = over > 0.0 ? over : 0.0;
-                energy[lane] += form_.needle_weight * needle * needle;
-                slopes.cosine[k][lane] += 2.0 * form_.needle_weight * needle;
-            }
-    if (count) {
-        Lanes worst = shape.height[0];
-        for (int i = 1; i < 4; ++i)
-            for (int lane = 0; lane < kLanes; ++lane)
-                worst[lane] = worst[lane] < shape.height[i][lane] ? worst[lane] : shape.height[i][lane];
-        if (form_.shape.weight2 != 0.0)
-            for (int k = 0; k < 12; ++k)
-                for (int lane = 0; lane < kLanes; ++lane)
-                    worst[lane] = worst[lane] < shape.cosine[k][lane] ? worst[lane] : shape.cosine[k][lane];
-        for (int lane = 0; lane < kLanes; ++lane)
-            energy[lane] += (worst[lane] <= form_.clearance ? form_.count : 0.0) +
-                            (worst[lane] <= form_.hard_clearance ? form_.hard_count : 0.0);
+    if (gradient) {
+        if (cosines && form_.shape.weight2 == 0.0)
+            for (Lanes &slope : slopes.cosine)
+                slope = Lanes{};
+        penalize(shape, form_.shape, terms, energy, slopes);
+    } else {
+        penalize(shape, form_.shape, terms, energy);
     }
+    if (form_.needle_weight != 0.0)
+        add_needles(shape, form_.needle_cosine, form_.needle_weight, energy, gradient ? &slopes : nullptr);
+    if (count)
+        add_counts(shape, form_, energy);
     if (gradient)
         differentiate_first(tets, shape, slopes, cosines, gradient);
     evaluations_ += kLanes;
@@ -72,6 +100,27 @@ void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, doub
         for (int lane = 0; lane < used; ++lane)
             energies[begin + lane] = energy[lane] + over(complex, tets[begin + lane]);
     }
+}
+
+bool SearchEnergy::positive(const TetComplex &complex, const Tet &tet) {
+    const Vec3 &o = complex.point(tet[0]);
+    return dot(complex.point(tet[1]) - o, cross(complex.point(tet[2]) - o, complex.point(tet[3]) - o)) > 0.0;
+}
+
+bool SearchEnergy::below(const TetComplex &complex, std::span<const Tet> tets, double limit, double *energies) const {
+    for (const Tet &tet : tets) // most changes that fail invert a tet, and that is cheap to see
+        if (!positive(complex, tet))
+            return false;
+    double sum = 0.0;
+    for (std::size_t begin = 0; begin < tets.size(); begin += kLanes) {
+        const std::size_t used = std::min<std::size_t>(kLanes, tets.size() - begin);
+        of(complex, tets.subspan(begin, used), energies + begin);
+        for (std::size_t k = begin; k < begin + used; ++k)
+            sum += energies[k];
+        if (!(sum < limit)) // no energy is negative
+            return false;
+    }
+    return true;
 }
 
 double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const {

@@ -42,6 +42,10 @@ class SearchEnergy {
 
     /// Energies of tets on the complex's vertices; infinite where flat or inverted.
     void of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const;
+    /// Whether the tet is not inverted: cheap, and most of what an operator would make fails here.
+    static bool positive(const TetComplex &complex, const Tet &tet);
+    /// Whether the energies' sum is below `limit`; if not, they are not all written.
+    bool below(const TetComplex &complex, std::span<const Tet> tets, double limit, double *energies) const;
     /// The same for a tet that exists already: finite however flat it is, as long as it is not inverted.
     double of_present(const TetComplex &complex, const Tet &tet) const;
 

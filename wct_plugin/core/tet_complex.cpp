@@ -165,6 +165,7 @@ void TetComplex::link(int t) {
     for (int v : tets_[t])
         stars_[v].push_back(t);
     alive_[t] = 1;
+    ++alive_count_;
     total_ += energies_[t];
 }
 
@@ -175,6 +176,7 @@ void TetComplex::unlink(int t) {
         star.pop_back();
     }
     alive_[t] = 0;
+    --alive_count_;
     total_ -= energies_[t];
 }
 
@@ -310,6 +312,17 @@ void TetComplex::rollback() {
     }
     journal_.resize(mark.entries);
     total_ = mark.total;
+}
+
+void TetComplex::changed(std::vector<int> &tets) const {
+    tets.clear();
+    for (std::size_t k = marks_.back().entries; k < journal_.size(); ++k) {
+        const Kind kind = journal_[k].kind;
+        if (kind == Kind::added_tet || kind == Kind::removed_tet || kind == Kind::set_energy)
+            tets.push_back(journal_[k].index);
+    }
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
 }
 
 void TetComplex::resum() {

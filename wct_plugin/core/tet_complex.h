@@ -39,6 +39,8 @@ class TetComplex {
   public:
     std::size_t vertex_slots() const { return vertices_.size(); }
     std::size_t tet_slots() const { return tets_.size(); }
+    /// How many tets are alive.
+    std::size_t tets() const { return alive_count_; }
 
     const Vertex &vertex(int v) const { return vertices_[v]; }
     const Vec3 &point(int v) const { return vertices_[v].position; }
@@ -99,6 +101,8 @@ class TetComplex {
     void rollback();
     /// Change of `total()` since the last mark.
     double gain() const { return total_ - marks_.back().total; }
+    /// Tets added, removed or measured anew since the last mark, each once, in ascending order.
+    void changed(std::vector<int> &tets) const;
     /// Recompute the sum from scratch: rounding in `total()` does not pile up over long runs.
     void resum();
 
@@ -153,6 +157,7 @@ class TetComplex {
     int over_count_ = 0;
     std::vector<Landmark> landmarks_;
     std::unordered_map<Edge, int, KeyHash> creases_;
+    std::size_t alive_count_ = 0;
     double total_ = 0.0;
     std::vector<Entry> journal_;
     std::vector<Mark> marks_;

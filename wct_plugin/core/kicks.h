@@ -1,0 +1,52 @@
+#pragma once
+
+#include "agenda.h"
+#include "repair.h"
+
+#include <vector>
+
+namespace wct {
+
+/// Iterated local search (Lourenço, Martin, Stützle 2003) at the tets that miss the goal: kick a neighbourhood, repair
+/// it, keep the result unless it got worse. Kicks grow with the number of failures at a place, as in variable
+/// neighbourhood search (Mladenović, Hansen 1997): most places yield to small ones, which cost least.
+class Kicks {
+  public:
+    Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent, Repair &repair,
+          Random &random)
+        : complex_(complex), operators_(operators), descent_(descent), repair_(repair), random_(random),
+          agenda_(complex, energy, random) {}
+
+    /// Look for bad tets afresh, after changes made elsewhere.
+    void restart() { agenda_.rebuild(); }
+    int bad() const { return agenda_.bad(); }
+    /// Kick at the bad tet tried least; there must be one. True if the mesh got better.
+    bool once();
+
+  private:
+    struct Kick {
+        double radius, sigma; // in local sizes
+        int operators;
+        double slack;
+        bool wide; // repaired farther out, and longer
+    };
+    void ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out);
+    void shake(int t, const Kick &kick);
+    /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
+    /// has been tried before.
+    void near_changed(const Vec3 &center, double radius);
+    bool repair(const Kick &kick, const Vec3 &center, double radius);
+
+    TetComplex &complex_;
+    Operators &operators_;
+    StarDescent &descent_;
+    Repair &repair_;
+    Random &random_;
+    Agenda agenda_;
+    std::vector<int> marks_;
+    int mark_ = 0;
+    std::vector<int> changed_;
+    std::vector<std::pair<double, int>> nearest_;
+};
+
+} // namespace wct
