@@ -26,8 +26,8 @@ void add(Field &a, double s, const Field &b) {
 class Objective {
   public:
     Objective(const Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
-              const EdgeForm &edges, const std::vector<char> &curved)
-        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges) {
+              const EdgeForm &edges, const std::vector<char> &curved, const FitForm &fit, const std::vector<Tie> &ties)
+        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges), fit_(fit), ties_(ties) {
         if (edges.weight > 0.0)
             for (const auto &edge : surface_edges(complex))
                 if (curved[edge[0]] && curved[edge[1]])
@@ -98,6 +98,19 @@ class Objective {
             gradient[v] += pull;
             gradient[w] -= pull;
         }
+        for (const Tie &tie : ties_) {
+            const auto &[a, b, c] = tie.corner;
+            const auto &[u, v, w] = tie.weight;
+            const double height = dot(tie.normal, u * points[a] + v * points[b] + w * points[c]) - tie.level;
+            const double over = std::fabs(height) / fit_.limit - 1.0;
+            if (over <= 0.0)
+                continue;
+            sum += fit_.weight * over * over;
+            const Vec3 pull = (std::copysign(2.0 * fit_.weight * over, height) / fit_.limit) * tie.normal;
+            gradient[a] += u * pull;
+            gradient[b] += v * pull;
+            gradient[c] += w * pull;
+        }
         project(gradient);
         return sum;
     }
@@ -135,6 +148,8 @@ class Objective {
     const std::vector<Vec3> &direction_;
     const EnergyForm &form_;
     const EdgeForm &edge_form_;
+    const FitForm &fit_;
+    const std::vector<Tie> &ties_;
     std::vector<std::array<int, 2>> edges_;
     std::vector<std::array<int, 4>> tets_;
     std::vector<double> floors_;
@@ -229,10 +244,11 @@ Tally count_bad(const Cloud &cloud, const Complex &complex, bool cosines) {
 }
 
 std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
-                    const EdgeForm &edges, const std::vector<char> &curved, int iterations, double reach) {
+                    const EdgeForm &edges, const std::vector<char> &curved, const FitForm &fit,
+                    const std::vector<Tie> &ties, int iterations, double reach) {
     constexpr std::size_t kMemory = 8;
     constexpr int kHalvings = 15;
-    Objective objective(cloud, complex, direction, form, edges, curved);
+    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties);
     Field points = cloud.points;
     Field gradient;
     Field next;
