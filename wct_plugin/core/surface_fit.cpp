@@ -10,6 +10,8 @@ namespace {
 /// Samples of a facet besides its edges: the corners' own third and the middle.
 constexpr double kInner[4][3] = {{1. / 3, 1. / 3, 1. / 3}, {.5, .25, .25}, {.25, .5, .25}, {.25, .25, .5}};
 
+constexpr int kSteps = 6; // along an edge: where it crosses a bend of the reference, it is off most
+
 Vec3 blend(const Cloud &cloud, const Tie &tie) {
     return tie.weight[0] * cloud.points[tie.corner[0]] + tie.weight[1] * cloud.points[tie.corner[1]] +
            tie.weight[2] * cloud.points[tie.corner[2]];
@@ -33,10 +35,12 @@ std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const R
         }
     const BoxTree tree(boxes);
     std::vector<Tie> ties;
+    int hint = 0;
     const auto tie_point = [&](const std::array<int, 3> &facet, const std::array<double, 3> &weight) {
         Tie tie{facet, weight, {}, 0.0};
         const Vec3 p = blend(cloud, tie);
-        const Foot foot = reference.nearest(p);
+        const Foot foot = reference.nearest_from(p, hint);
+        hint = foot.triangle;
         if (reference.planar(data.patch[foot.triangle]))
             return;
         // Across an edge of the reference the distance grows along the way to the foot; on it, along the normal.
@@ -54,10 +58,10 @@ std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const R
             const int w = f[(k + 1) % 3];
             if (v > w)
                 continue;
-            for (const double s : {.25, .5, .75}) {
+            for (int j = 1; j < kSteps; ++j) {
                 std::array<double, 3> weight{};
-                weight[k] = 1.0 - s;
-                weight[(k + 1) % 3] = s;
+                weight[k] = 1.0 - static_cast<double>(j) / kSteps;
+                weight[(k + 1) % 3] = static_cast<double>(j) / kSteps;
                 tie_point(f, weight);
             }
         }
