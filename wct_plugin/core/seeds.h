@@ -11,7 +11,7 @@ namespace wct {
 struct SeedForm {
     double patch_spacing = 0.78; // least distance of patch points, in edge lengths
     double front_spacing = 0.8;  // the same where a patch is filled by a growing pattern; 0: no pattern
-    double level_ratio = 1.2;    // of the lattice's cells from one level to the next
+    double level_ratio = 1.3;    // of the lattice's cells from one level to the next
     double edge_per_cell = 1.1;  // boundary edge per lattice cell
     double least_depth = 0.52;   // of lattice points, in cells
     double level_gap = 0.72;     // between points of different levels, in mean cells
