@@ -61,26 +61,41 @@ bool drop_twins(Cloud &cloud) {
     return any;
 }
 
-void retract(Cloud &cloud, const Reference &reference, std::vector<Vec3> *direction) {
-    if (direction)
-        direction->assign(cloud.count(), {});
+namespace {
+
+/// Put a point on its crease or corner; returns the tangent there. Others stay.
+Vec3 retract_to_crease(Cloud &cloud, const Reference &reference, std::size_t i) {
+    if (cloud.role[i] == Stratum::crease)
+        return reference.to_curve(cloud.points[i], cloud.label[i]);
+    if (cloud.role[i] == Stratum::corner)
+        cloud.points[i] = reference.data().points[cloud.label[i]];
+    return {};
+}
+
+} // namespace
+
+void retract(Cloud &cloud, const Reference &reference) {
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == Stratum::patch)
+            reference.to_patch(cloud.points[i], cloud.label[i]);
+        else
+            retract_to_crease(cloud, reference, i);
+}
+
+void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction) {
+    direction.assign(cloud.count(), {});
     for (std::size_t i = 0; i < cloud.count(); ++i) {
-        Vec3 d;
-        switch (cloud.role[i]) {
-        case Stratum::patch:
-            d = reference.to_patch(cloud.points[i], cloud.label[i]);
-            break;
-        case Stratum::crease:
-            d = reference.to_curve(cloud.points[i], cloud.label[i]);
-            break;
-        case Stratum::corner:
-            cloud.points[i] = reference.data().points[cloud.label[i]];
-            break;
-        case Stratum::interior:
-            break;
+        Vec3 &p = cloud.points[i];
+        if (cloud.role[i] != Stratum::patch) {
+            direction[i] = retract_to_crease(cloud, reference, i);
+        } else if (reference.planar(cloud.label[i])) {
+            direction[i] = reference.to_patch(p, cloud.label[i]);
+        } else {
+            const Foot foot = reference.nearest(p, cloud.label[i]);
+            if (foot.distance > shell)
+                p = foot.point + (shell / foot.distance) * (p - foot.point);
+            direction[i] = reference.smooth_normal(foot);
         }
-        if (direction)
-            (*direction)[i] = d;
     }
 }
 

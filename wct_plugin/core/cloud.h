@@ -32,9 +32,11 @@ struct Cloud {
 /// did.
 bool drop_twins(Cloud &cloud);
 
-/// Put every boundary point where its role wants it. `direction`, if given, receives per point the patch's normal or
-/// the curve's tangent.
-void retract(Cloud &cloud, const Reference &reference, std::vector<Vec3> *direction = nullptr);
+/// Put every boundary point where its role wants it, on curved patches at their offset.
+void retract(Cloud &cloud, const Reference &reference);
+/// The same, but points of curved patches stay where they are within `shell` of their patch. `direction` receives the
+/// patch's normal or the curve's tangent, zero for other points.
+void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction);
 
 /// Points with a radius each, for asking what is near: one hash grid per power of two of the radius.
 class PointGrid {

@@ -26,8 +26,8 @@ void add(Field &a, double s, const Field &b) {
 class Objective {
   public:
     Objective(const Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
-              const EdgeForm &edges, const std::vector<char> &curved)
-        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges) {
+              const EdgeForm &edges, const std::vector<char> &curved, const FitForm &fit, const std::vector<Tie> &ties)
+        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges), fit_(fit), ties_(ties) {
         if (edges.weight > 0.0)
             for (const auto &edge : surface_edges(complex))
                 if (curved[edge[0]] && curved[edge[1]])
@@ -56,8 +56,13 @@ class Objective {
         tets_ = std::move(kept);
     }
 
-    /// Infinite where a tet would become degenerate; `blocked` then holds the corners of all such tets.
-    double operator()(const Field &points, Field &gradient, std::vector<int> &blocked) {
+    /// Of points in units of their sizes. Infinite where a tet would become degenerate; `blocked` then holds the corners
+    /// of all such tets.
+    double operator()(const Field &scaled, Field &gradient, std::vector<int> &blocked) {
+        points_.resize(scaled.size());
+        for (std::size_t i = 0; i < scaled.size(); ++i)
+            points_[i] = cloud_.size[i] * scaled[i];
+        const Field &points = points_;
         const bool cosines = form_.weight2 > 0.0;
         gradient.assign(points.size(), {});
         blocked.clear();
@@ -98,6 +103,23 @@ class Objective {
             gradient[v] += pull;
             gradient[w] -= pull;
         }
+        for (const Tie &tie : ties_) {
+            const auto &[a, b, c] = tie.corner;
+            const auto &[u, v, w] = tie.weight;
+            const double height = dot(tie.normal, u * points[a] + v * points[b] + w * points[c]) - tie.level;
+            const double over = std::fabs(height) / fit_.limit - 1.0;
+            if (over <= 0.0)
+                continue;
+            // Quadratic at first, then linear: what is out of reach does not drown the rest.
+            const double slope = 2.0 * std::min(over, kSteep);
+            sum += fit_.weight * slope * (over - 0.25 * slope);
+            const Vec3 pull = (std::copysign(fit_.weight * slope, height) / fit_.limit) * tie.normal;
+            gradient[a] += u * pull;
+            gradient[b] += v * pull;
+            gradient[c] += w * pull;
+        }
+        for (std::size_t i = 0; i < gradient.size(); ++i)
+            gradient[i] = cloud_.size[i] * gradient[i];
         project(gradient);
         return sum;
     }
@@ -123,6 +145,8 @@ class Objective {
     std::size_t evaluations() const { return evaluations_; }
 
   private:
+    static constexpr double kSteep = 0.5;
+
     void load(const Field &points, std::size_t first, TetLanes &lanes) const {
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const auto &tet = tets_[std::min(first + lane, tets_.size() - 1)];
@@ -135,9 +159,12 @@ class Objective {
     const std::vector<Vec3> &direction_;
     const EnergyForm &form_;
     const EdgeForm &edge_form_;
+    const FitForm &fit_;
+    const std::vector<Tie> &ties_;
     std::vector<std::array<int, 2>> edges_;
     std::vector<std::array<int, 4>> tets_;
     std::vector<double> floors_;
+    Field points_;
     std::size_t evaluations_ = 0;
     ShapeLanes shape_;
     SlopeLanes slopes_;
@@ -145,12 +172,11 @@ class Objective {
 };
 
 /// Shorten every point's step to `reach` sizes.
-void clip(Field &step, const Cloud &cloud, double reach) {
-    for (std::size_t i = 0; i < step.size(); ++i) {
-        const double far = norm(step[i]);
-        const double most = reach * cloud.size[i];
-        if (far > most)
-            step[i] = (most / far) * step[i];
+void clip(Field &step, double reach) {
+    for (Vec3 &v : step) {
+        const double far = norm(v);
+        if (far > reach)
+            v = (reach / far) * v;
     }
 }
 
@@ -180,17 +206,17 @@ Field direction_of(const Field &gradient, const std::deque<Pair> &pairs) {
 }
 
 /// Against the gradient. The few steepest points, which sit in nearly flat tets, do not set the scale for the rest.
-Field steepest(const Field &gradient, const Cloud &cloud, double reach) {
+Field steepest(const Field &gradient, double reach) {
     std::vector<double> slopes(gradient.size());
     for (std::size_t i = 0; i < gradient.size(); ++i)
-        slopes[i] = norm(gradient[i]) / cloud.size[i];
+        slopes[i] = norm(gradient[i]);
     const auto at = slopes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(slopes.size()));
     std::nth_element(slopes.begin(), at, slopes.end());
     const double scale = *at > 0.0 ? *at : *std::max_element(slopes.begin(), slopes.end());
     Field step = gradient;
     for (Vec3 &v : step)
         v = (scale > 0.0 ? -0.3 * reach / scale : 0.0) * v;
-    clip(step, cloud, 0.3 * reach);
+    clip(step, 0.3 * reach);
     return step;
 }
 
@@ -229,11 +255,15 @@ Tally count_bad(const Cloud &cloud, const Complex &complex, bool cosines) {
 }
 
 std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
-                    const EdgeForm &edges, const std::vector<char> &curved, int iterations, double reach) {
+                    const EdgeForm &edges, const std::vector<char> &curved, const FitForm &fit,
+                    const std::vector<Tie> &ties, int iterations, double reach) {
     constexpr std::size_t kMemory = 8;
     constexpr int kHalvings = 15;
-    Objective objective(cloud, complex, direction, form, edges, curved);
+    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties);
+    // In units of sizes the energy is equally stiff everywhere, however the sizes vary.
     Field points = cloud.points;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = (1.0 / cloud.size[i]) * points[i];
     Field gradient;
     Field next;
     Field slope;
@@ -242,13 +272,13 @@ std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3
     std::deque<Pair> pairs;
     int failures = 0;
     for (int round = 0; round < iterations && energy < std::numeric_limits<double>::infinity(); ++round) {
-        Field step = pairs.empty() ? steepest(gradient, cloud, reach) : direction_of(gradient, pairs);
+        Field step = pairs.empty() ? steepest(gradient, reach) : direction_of(gradient, pairs);
         objective.project(step);
-        clip(step, cloud, reach);
+        clip(step, reach);
         double descent = product(gradient, step);
         if (descent >= 0.0) {
             pairs.clear();
-            step = steepest(gradient, cloud, reach);
+            step = steepest(gradient, reach);
             descent = product(gradient, step);
             if (descent >= 0.0)
                 break;
@@ -299,7 +329,8 @@ std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3
         if (done)
             break;
     }
-    cloud.points = std::move(points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        cloud.points[i] = cloud.size[i] * points[i];
     return objective.evaluations();
 }
 

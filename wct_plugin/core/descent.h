@@ -3,6 +3,7 @@
 #include "cloud.h"
 #include "energy.h"
 #include "restricted.h"
+#include "surface_fit.h"
 
 #include <vector>
 
@@ -26,6 +27,7 @@ struct EdgeForm {
 /// `direction`, crease points along it, corners not at all; `curved` marks the points of curved patches and creases; no
 /// step is longer than `reach` times a point's size. Returns the number of tet evaluations.
 std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &direction, const EnergyForm &form,
-                    const EdgeForm &edges, const std::vector<char> &curved, int iterations, double reach);
+                    const EdgeForm &edges, const std::vector<char> &curved, const FitForm &fit,
+                    const std::vector<Tie> &ties, int iterations, double reach);
 
 } // namespace wct

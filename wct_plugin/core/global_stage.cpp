@@ -58,9 +58,9 @@ void learn(const Deviation &deviation, Sizing &sizing, std::vector<double> &corr
 }
 
 /// Every boundary point on its stratum, no two at one place.
-void settle(Cloud &cloud, const Reference &reference, std::vector<Vec3> &direction) {
+void settle(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction) {
     do
-        retract(cloud, reference, &direction);
+        retract_to_shell(cloud, reference, shell, direction);
     while (drop_twins(cloud));
 }
 
@@ -144,23 +144,30 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     Complex complex;
     lap("relax");
     std::vector<Vec3> direction;
+    const double shell = form.shell * form.sizing.tolerance;
+    const FitForm fit{form.fit_target * form.sizing.tolerance, form.fit_weight, form.fit_pull, shell};
     bool first = true;
     int since = 0;
+    std::size_t least_off = 0;
     for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
-        settle(cloud, reference, direction);
+        settle(cloud, reference, shell, direction);
         complex = restricted_delaunay(cloud, reference, map);
         Flaws flaws = find_flaws(cloud, complex);
         for (int pass = 0; pass < 4; ++pass) {
             const bool promoted = promote(cloud, reference, flaws);
             if (recover_creases(cloud, reference, complex) == 0 && !promoted)
                 break;
-            settle(cloud, reference, direction);
+            settle(cloud, reference, shell, direction);
             complex = restricted_delaunay(cloud, reference, map);
             flaws = find_flaws(cloud, complex);
         }
+        const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
+        fit_heights(cloud, reference, ties, direction, fit);
         const Tally tally = count_bad(cloud, complex, form.cosines);
         const bool sound = flaws.none();
-        if (first || std::pair(!sound, tally.bad) < std::pair(!result.flaws.none(), result.tally.bad)) {
+        const std::size_t off = count_off(cloud, ties, 0.86 * form.sizing.tolerance);
+        if (first || std::pair(!sound, tally.bad + off) < std::pair(!result.flaws.none(), result.tally.bad + least_off)) {
+            least_off = off;
             result.cloud = cloud;
             result.complex = complex;
             result.flaws = flaws;
@@ -177,10 +184,11 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         if (!form.cosines)
             energy.weight2 = 0.0;
         const std::size_t evaluations = descend(cloud, complex, direction, energy, form.edge,
-                                                curved_points(cloud, reference), form.iterations, form.reach);
+                                                curved_points(cloud, reference), fit, ties, form.iterations, form.reach);
         monitor.work(evaluations, static_cast<double>(round) / form.rounds);
     }
     lap("descent");
+    result.stats.emplace_back("off", static_cast<double>(least_off));
     result.deviation = measure_deviation(result.cloud, result.complex, reference);
     lap("deviation");
     result.stopped = monitor.stopped();

@@ -35,6 +35,9 @@ struct GlobalForm {
     int trials = 1;      // of the deviation, before the real run
     int trial_sweeps = 8;
     double target = 0.85; // of the tolerance, for the mean facet
+    double fit_target = 0.7;
+    double fit_weight = 0.1;
+    double fit_pull = 0.02;
     bool cosines = true;
     EdgeForm edge;
     std::uint64_t seed = 1;

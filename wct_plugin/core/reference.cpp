@@ -206,6 +206,17 @@ void Reference::make_curvatures() {
             std::swap(k[0], k[1]);
 }
 
+void Reference::try_triangle(const Vec3 &p, int triangle, double &square, Foot &foot) const {
+    const auto &[a, b, c] = data_.triangles[triangle];
+    const TrianglePoint at = nearest_on_triangle(p, data_.points[a], data_.points[b], data_.points[c]);
+    if (!(at.square < square))
+        return;
+    square = at.square;
+    foot.point = at.point;
+    foot.triangle = triangle;
+    std::copy(at.weight, at.weight + 3, foot.weight);
+}
+
 Foot Reference::nearest(const Vec3 &p, int patch) const {
     Foot foot;
     const PatchTree *part = patch < 0 ? nullptr : &patch_trees_[patch];
@@ -213,15 +224,22 @@ Foot Reference::nearest(const Vec3 &p, int patch) const {
     const double square = tree.minimise(
         std::numeric_limits<double>::infinity(), [&](std::size_t node) { return tree.box(node).square(p); },
         [&](std::size_t item, double best) {
-            const int t = part ? part->triangles[item] : static_cast<int>(item);
-            const auto &[a, b, c] = data_.triangles[t];
-            const TrianglePoint at = nearest_on_triangle(p, data_.points[a], data_.points[b], data_.points[c]);
-            if (at.square < best) {
-                foot.point = at.point;
-                foot.triangle = t;
-                std::copy(at.weight, at.weight + 3, foot.weight);
-            }
-            return at.square;
+            try_triangle(p, part ? part->triangles[item] : static_cast<int>(item), best, foot);
+            return best;
+        });
+    foot.distance = std::sqrt(square);
+    return foot;
+}
+
+Foot Reference::nearest_from(const Vec3 &p, int hint) const {
+    Foot foot;
+    double square = std::numeric_limits<double>::infinity();
+    try_triangle(p, hint, square, foot);
+    square = tree_.minimise(
+        square, [&](std::size_t node) { return tree_.box(node).square(p); },
+        [&](std::size_t item, double best) {
+            try_triangle(p, static_cast<int>(item), best, foot);
+            return best;
         });
     foot.distance = std::sqrt(square);
     return foot;

@@ -66,6 +66,8 @@ class Reference {
 
     /// Nearest point of the surface, or of one patch.
     Foot nearest(const Vec3 &p, int patch = -1) const;
+    /// The same for the whole surface, sooner where `hint` is a triangle nearby.
+    Foot nearest_from(const Vec3 &p, int hint) const;
     CurveFoot nearest_on_curve(const Vec3 &p, int curve, bool shifted = false) const;
     /// First hit of a ray beyond `least`: distance and triangle (-1: none).
     double ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const;
@@ -98,6 +100,7 @@ class Reference {
     Vec3 to_curve(Vec3 &p, int curve) const;
 
   private:
+    void try_triangle(const Vec3 &p, int triangle, double &square, Foot &foot) const;
     void make_wedges();
     void make_normals();
     void find_planes();

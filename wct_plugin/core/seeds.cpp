@@ -192,9 +192,9 @@ void seed_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
 class LatticeLevel {
   public:
     LatticeLevel(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
-                 double cell, int level, int levels, double finest)
+                 double cell, int level, int levels, double finest, double ratio)
         : reference_(reference), map_(map), sizing_(sizing), form_(form), cell_(cell), level_(level), levels_(levels),
-          finest_(finest) {}
+          finest_(finest), ratio_(ratio) {}
 
     template <class Take> void collect(const Box &box, const Take &take) const {
         const Vec3 extent = box.hi - box.lo;
@@ -206,7 +206,7 @@ class LatticeLevel {
     }
 
     int level_of(double size) const {
-        const double steps = std::log(size / form_.edge_per_cell / finest_) / std::log(form_.level_ratio);
+        const double steps = std::log(size / form_.edge_per_cell / finest_) / std::log(ratio_);
         return std::clamp(static_cast<int>(std::floor(steps + 0.05)), 0, levels_ - 1);
     }
 
@@ -264,6 +264,7 @@ class LatticeLevel {
     int level_;
     int levels_;
     double finest_;
+    double ratio_;
 };
 
 void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map, const Sizing &sizing,
@@ -280,14 +281,17 @@ void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map,
     }
     finest /= form.edge_per_cell;
     const double coarsest = sizing.form().coarsen * sizing.largest() / form.edge_per_cell;
-    const int levels =
-        1 + std::max(0, static_cast<int>(std::floor(std::log(coarsest / finest) / std::log(form.level_ratio) + 0.05)));
+    // Both ends of the range of sizes are met exactly: a coarser wish rounded down to the level below costs tets.
+    const double range = std::log(std::max(1.0, coarsest / finest));
+    const int steps = static_cast<int>(std::lround(range / std::log(form.level_ratio)));
+    const int levels = 1 + steps;
+    const double ratio = steps > 0 ? std::exp(range / steps) : form.level_ratio;
     PointGrid grid;
     for (int level = 0; level < levels; ++level) {
-        const double cell = finest * std::pow(form.level_ratio, level);
+        const double cell = finest * std::pow(ratio, level);
         // Points of finer levels keep points of this one at a distance of a share of their mean cell.
         std::vector<Vec3> fresh;
-        LatticeLevel(reference, map, sizing, form, cell, level, levels, finest)
+        LatticeLevel(reference, map, sizing, form, cell, level, levels, finest, ratio)
             .collect(box, [&](const Vec3 &p, double size, int region) {
                 if (level > 0 && grid.crowded(p, form.level_gap * cell))
                     return;

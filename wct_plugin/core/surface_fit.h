@@ -1,0 +1,41 @@
+#pragma once
+
+#include "cloud.h"
+#include "reference.h"
+#include "restricted.h"
+
+#include <array>
+#include <vector>
+
+namespace wct {
+
+/// A point of a surface facet and the plane of the reference it was found nearest to: near there, the distance between
+/// the two surfaces is |dot(normal, sum of weight * corner) - level|.
+struct Tie {
+    std::array<int, 3> corner;
+    std::array<double, 3> weight;
+    Vec3 normal;
+    double level = 0.0;
+};
+
+/// How facets over curved patches are held near the reference.
+struct FitForm {
+    double limit = 0.0; // distance that costs nothing
+    double weight = 0.1; // of (distance / limit - 1)^2 in the descent
+    double pull = 0.02;  // of points towards their offset, relative to that
+    double shell = 0.0;  // greatest distance of a point
+};
+
+/// Ties of all facets over curved patches, both ways: samples of each facet to the reference, and each vertex of the
+/// reference to the facet nearest to it, so that no peak sticks out between chords.
+std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference);
+
+/// Raise and lower the points of curved patches along their normals (`direction`) to where the ties are within the limit
+/// as far as possible, near their offsets otherwise.
+void fit_heights(Cloud &cloud, const Reference &reference, const std::vector<Tie> &ties,
+                 const std::vector<Vec3> &direction, const FitForm &form);
+
+/// How many facets have a tie longer than the limit.
+std::size_t count_off(const Cloud &cloud, const std::vector<Tie> &ties, double limit);
+
+} // namespace wct
