@@ -7,11 +7,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
+from pydantic.json_schema import SkipJsonSchema
 
 from wct_plugin import _core
 from wct_plugin.adapters import meshio
 from wct_plugin.deviation import deviation
-from wct_plugin.errors import WctWarning
+from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import Reference, given_surface, own_boundary
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
@@ -46,7 +47,7 @@ class MeshingOptions(Options):
         description="Greatest distance from the reference, both ways, as a fraction of the diagonal"
         " (none: 1e-3, or the sag of the reference's own facets if larger)",
     )
-    reference: SurfaceMesh | str | None = Field(
+    reference: SkipJsonSchema[SurfaceMesh] | str | None = Field(
         None, description="Surface to stay near, or its file (none: the surface read at the start, or the own boundary)"
     )
     edge_length: float | None = Field(None, gt=0, description="Edge length in the mesh's unit (none: the input's own)")
@@ -79,17 +80,18 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     gives = TetMesh
     declaration = MeshingOptions
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._surface = _load(self.options.reference)  # now, so that a file of no use is refused before any work
+
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options
-        surface = meshio.read(options.reference) if isinstance(options.reference, str) else options.reference
-        surface = surface or mesh.reference
+        surface = self._surface or mesh.reference
         own = own_boundary(mesh, options.crease_angle)
         plain = len(own.regions) == 1 and not (len(mesh.facets) or len(mesh.edges) or len(mesh.nodes))
         moves = options.boundary == "move"
         reference = (
-            given_surface(surface, mesh, options.crease_angle)
-            if isinstance(surface, SurfaceMesh) and plain and moves
-            else own
+            given_surface(surface, mesh, options.crease_angle) if surface is not None and plain and moves else own
         )
         tolerance = (options.tolerance or reference.auto_tolerance()) * reference.diagonal
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
@@ -128,9 +130,9 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             found["crease_curve"],
         )
         better = carry(mesh, own.strata, resampled)
-        if isinstance(surface, SurfaceMesh):
+        if surface is not None:
             better = replace(better, reference=surface)
-        target = surface if isinstance(surface, SurfaceMesh) else mesh.boundary_surface()
+        target = surface if surface is not None else mesh.boundary_surface()
         apart = deviation(better.boundary_surface(), target).max
         if apart > tolerance:
             warnings.warn(
@@ -189,6 +191,15 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "creases": found["creases"],
             "crease_curve": found["crease_curve"],
         }
+
+
+def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
+    if not isinstance(reference, str):
+        return reference
+    surface = meshio.read(reference)
+    if isinstance(surface, TetMesh):
+        raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
+    return surface
 
 
 def _from_mesh(mesh: TetMesh, own: Reference, boundary: str) -> dict[str, Any]:

@@ -59,6 +59,13 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
 
 def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> Reference:
     """A surface as reference of a mesh of one region: equal points merged, flat triangles dropped, outward."""
+    clean = _clean(surface)
+    found = surface_strata(clean, crease_angle)
+    patches = int(found.patch.max()) + 1
+    return Reference(clean.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions))
+
+
+def _clean(surface: SurfaceMesh) -> SurfaceMesh:
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[surface.triangles]
     corners = points[triangles]
@@ -70,10 +77,7 @@ def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> R
     if enclosed_volume(points, triangles) < 0:
         triangles = triangles[:, ::-1].copy()
     used, place = np.unique(triangles, return_inverse=True)
-    clean = SurfaceMesh(points[used], place.reshape(-1, 3), tags)
-    found = surface_strata(clean, crease_angle)
-    patches = int(found.patch.max()) + 1
-    return Reference(clean.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions))
+    return SurfaceMesh(points[used], place.reshape(-1, 3), tags)
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:
