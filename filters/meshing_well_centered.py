@@ -2,21 +2,28 @@
 
 import warnings
 from dataclasses import replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core
+from wct_plugin import _core, quality
 from wct_plugin.adapters import meshio
-from wct_plugin.deviation import deviation
 from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.fidelity import fidelity, worst
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.quality import Quality
 from wct_plugin.reference import Reference, given_surface, own_boundary
+from wct_plugin.remaining import remaining
+from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.surface import strata
 from wct_plugin.transfer import Resampled, carry
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin._core import SearchedArrays
 
 Ints = NDArray[np.int64]
 
@@ -93,16 +100,64 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         reference = (
             given_surface(surface, mesh, options.crease_angle) if surface is not None and plain and moves else own
         )
-        tolerance = (options.tolerance or reference.auto_tolerance()) * reference.diagonal
+        diagonal = (surface or mesh).diagonal
+        tolerance = (options.tolerance or reference.auto_tolerance()) * diagonal
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
-        listen = _Listener(progress)
+        measured = quality.measure(mesh)
+        listen = _Listener(progress, self._bad(measured))
         start = None
         if moves and not sheets:
             start = self._resample(mesh, reference, tolerance, listen)
-        if start is None:
+        if start is None or listen.stopped:
             reference = own
             start = _from_mesh(mesh, own, options.boundary)
-        found = _core.search_well_centered(
+        found = self._search(start, reference, tolerance, listen)
+        better = carry(mesh, own.strata, _resampled(found, reference.regions))
+        listen.measure(found["bad"])
+        after = quality.measure(better)
+        gain = self._bad(measured) * len(after) - self._bad(after) * len(measured)
+        if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
+            better, after = mesh, measured
+        better = replace(better, reference=surface)
+        result = self._judge(mesh, own, better, after, tolerance, stopped=found["stopped"])
+        work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
+        return better, {**result, **work, "tolerance": tolerance / diagonal}
+
+    def _bad(self, measured: Quality) -> int:
+        good = measured.completely_well_centered if self.options.goal == "cwc" else measured.well_centered_3
+        return int((~good).sum())
+
+    def _judge(
+        self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
+    ) -> Metrics:
+        """What was reached and what is left, measured on the mesh itself; warns where the tolerance is not kept."""
+        options = self.options
+        kept = fidelity(old, new, new.reference)
+        allowed = tolerance / (new.reference or old).diagonal
+        far = [f"the {name} is {off:.2e}" for name, off in worst(kept) if off > allowed]
+        if far:
+            warnings.warn(
+                f"{', '.join(far)} of the diagonal from the reference; the tolerance is {allowed:.2e}",
+                WctWarning,
+                stacklevel=3,
+            )
+        left = remaining(
+            new,
+            strata(new, options.crease_angle),
+            measured,
+            goal=options.goal,
+            boundary=options.boundary,
+            crease_angle=options.crease_angle,
+            stopped=stopped,
+        )
+        shape = shape_floor(new, measured, old, own.strata, tolerance)
+        return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
+
+    def _search(
+        self, start: dict[str, Any], reference: Reference, tolerance: float, listen: "_Listener"
+    ) -> "SearchedArrays":
+        options = self.options
+        return _core.search_well_centered(
             **start,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
@@ -120,38 +175,6 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             seed=options.seed,
             progress=listen.search,
         )
-        resampled = Resampled(
-            found["points"],
-            found["tets"],
-            reference.regions[found["regions"]],
-            found["facets"],
-            found["facet_patch"],
-            found["creases"],
-            found["crease_curve"],
-        )
-        better = carry(mesh, own.strata, resampled)
-        if surface is not None:
-            better = replace(better, reference=surface)
-        target = surface if surface is not None else mesh.boundary_surface()
-        apart = deviation(better.boundary_surface(), target).max
-        if apart > tolerance:
-            warnings.warn(
-                f"the boundary is {apart / reference.diagonal:.2e} of the diagonal from the reference; "
-                f"the tolerance is {tolerance / reference.diagonal:.2e}",
-                WctWarning,
-                stacklevel=2,
-            )
-        metrics = {
-            "bad": found["bad"],
-            "deviation": apart / reference.diagonal,
-            "tets": len(better.tets),
-            "passes": found["passes"],
-            "kicks": found["kicks"],
-            "evaluations": found["evaluations"],
-            "tolerance": tolerance / reference.diagonal,
-            "stopped": found["stopped"],
-        }
-        return better, metrics
 
     def _resample(
         self, mesh: TetMesh, reference: Reference, tolerance: float, listen: "_Listener"
@@ -223,14 +246,41 @@ def _from_mesh(mesh: TetMesh, own: Reference, boundary: str) -> dict[str, Any]:
     }
 
 
-class _Listener:
-    """Passes the core's progress on under one name per phase."""
+def _resampled(found: "SearchedArrays", regions: Ints) -> Resampled:
+    return Resampled(
+        found["points"],
+        found["tets"],
+        regions[found["regions"]],
+        found["facets"],
+        found["facet_patch"],
+        found["creases"],
+        found["crease_curve"],
+    )
 
-    def __init__(self, progress: ProgressCallback) -> None:
+
+class _Listener:
+    """Passes the core's progress on under one name per phase, with the bad tets of the best mesh so far."""
+
+    def __init__(self, progress: ProgressCallback, bad: int) -> None:
         self._progress = progress
+        self._bad = bad
+        self.stopped = not self._tell("resampling", 0.0)
+
+    def _tell(self, stage: str, done: float) -> bool:
+        return self._progress(Progress(stage, done, self._bad)) is not False
 
     def resample(self, done: float, bad: int) -> bool:
-        return self._progress(Progress("resampling", done)) is not False
+        """Until the search takes the new mesh over, the best so far is the input."""
+        self.stopped = self.stopped or not self._tell("resampling", done)
+        return not self.stopped
 
     def search(self, phase: str, done: float, bad: int) -> bool:
-        return self._progress(Progress(f"local search: {phase}", done, bad)) is not False
+        # All tets meet the goal once their margin is worked on.
+        self._bad = 0 if phase == "margin" else bad
+        stage = f"local search: margin, {bad} tets short of it" if phase == "margin" else f"local search: {phase}"
+        self.stopped = self.stopped or not self._tell(stage, done)
+        return not self.stopped
+
+    def measure(self, bad: int) -> None:
+        self._bad = bad
+        self._tell("measuring", 1.0)

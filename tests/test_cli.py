@@ -1,12 +1,13 @@
 """``wct`` as its users meet it: exit codes, one-line errors, tables, JSON, files written or not at all."""
 
+import contextlib
 import json
 import os
+import pty
 import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import meshio
@@ -133,26 +134,63 @@ def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
     assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters"}
 
 
-def test_ctrl_c_keeps_the_best_so_far(tmp_path):
-    wct.write(tmp_path / "big.vtu", jittered_cube(16, 0))
-    child = subprocess.Popen(
-        [WCT, "optimize", tmp_path / "big.vtu", tmp_path / "out.vtu", "--effort", "100"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    ticks = 0  # CPU time, not wall time, tells that reading is over and moving has begun, however busy the machine is
-    while ticks < 5 * os.sysconf("SC_CLK_TCK"):
-        time.sleep(0.1)
-        ticks = sum(map(int, Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()[11:13]))
-    child.send_signal(signal.SIGINT)
-    _, err = child.communicate(timeout=120)
-    assert child.returncode == 1, err
+def on_a_terminal(folder, arguments, interrupt_at=None):
+    """Run wct with a terminal for stderr, Ctrl-C when it first shows ``interrupt_at``; exit code, stdout, stderr."""
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "120"}
+    with (folder / "stdout").open("w+") as out:
+        child = subprocess.Popen([WCT, *arguments], cwd=folder, stdout=out, stderr=theirs, env=environment)
+        os.close(theirs)
+        shown = ""
+        with contextlib.suppress(OSError):  # the terminal is gone when the child is
+            while part := os.read(ours, 65536).decode(errors="replace"):
+                shown += re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", part)
+                if interrupt_at and interrupt_at in shown:
+                    child.send_signal(signal.SIGINT)
+                    interrupt_at = None
+        os.close(ours)
+        code = child.wait(60)
+        out.seek(0)
+        return code, out.read(), shown
+
+
+@pytest.mark.parametrize("stage", ["resampling", "local search: passes"])
+def test_ctrl_c_keeps_the_best_so_far(stage, tmp_path):
+    before = jittered_cube(16, 0)
+    wct.write(tmp_path / "big.vtu", before)
+    code, out, err = on_a_terminal(tmp_path, ["optimize", "big.vtu", "out.vtu", "--json", "out.json"], stage)
+    assert code == 1, err
     assert "the best so far is kept" in err
-    before, after = (wct.read(tmp_path / name) for name in ("big.vtu", "out.vtu"))
+    assert "tets miss the goal" in out
+    after = wct.read(tmp_path / "out.vtu")
     assert quality.volumes(after.points, after.tets).sum() == pytest.approx(1.0, rel=1e-9)
-    good = [quality.measure(mesh).completely_well_centered.mean() for mesh in (before, after)]
-    assert good[1] > good[0]
+    good = [quality.measure(mesh).completely_well_centered for mesh in (before, after)]
+    assert good[1].mean() >= good[0].mean()
+    left = json.loads((tmp_path / "out.json").read_text())["filters"]["meshing_well_centered"]
+    assert left["stopped"]
+    assert left["remaining"]["count"] == (~good[1]).sum() > 0
+
+
+def test_progress_shows_stage_bad_tets_and_time_on_a_terminal(tmp_path):
+    wct.write(tmp_path / "cube.vtu", jittered_cube(8, 0))
+    code, _, text = on_a_terminal(tmp_path, ["optimize", "cube.vtu", "out.vtu", "--goal", "3wc"])
+    assert code in (0, 1)
+    for stage in ("resampling", "local search: passes"):
+        assert re.search(stage + r"\D+\d+ bad +0:00:\d\d", text), text[-2000:]
+
+
+def test_what_is_left_is_said_on_the_terminal_in_json_and_in_html(tmp_path, capsys):
+    wct.write(tmp_path / "flat.vtu", single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.1]]))
+    names = {suffix: str(tmp_path / f"out.{suffix}") for suffix in ("vtu", "json", "html")}
+    extra = ["--boundary", "fixed", "--json", names["json"], "--html", names["html"]]
+    assert cli.run(["optimize", str(tmp_path / "flat.vtu"), names["vtu"], *extra]) == 1
+    left = json.loads(Path(names["json"]).read_text())["after"]["remaining"]
+    assert (left["count"], left["proven"], left["tets"][0]["place"]) == (1, 1, "corner")
+    printed = " ".join(capsys.readouterr().out.split())
+    for text in (printed, Path(names["html"]).read_text()):
+        assert "1 tets miss the goal: 1 corner" in text
+        assert "boundary=keep or move" in text
+        assert "1 of them at creases that open no wider" in text
 
 
 # --- report and filters ---------------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ from wct_plugin.errors import OptionError, WctError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.report import Report, make_report
 from wct_plugin.report_page import html
-from wct_plugin.stage import Filter, Mesh, Options, Progress, ProgressCallback, filter_names, find_filter
+from wct_plugin.stage import Filter, Mesh, Metrics, Options, Progress, ProgressCallback, filter_names, find_filter
 
 GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
 
@@ -173,12 +173,16 @@ def _print_report(report: Report) -> None:
 def _print_before_after(before: Report, after: Report) -> None:
     rows = [(name, old, new) for (name, old), (_, new) in zip(before.rows_summary(), after.rows_summary(), strict=True)]
     out.print(_table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
+    if left := after.left():
+        out.print(_table(*left, left=True))
+    if after.shape_note():
+        out.print(Text(after.shape_note()))
 
 
-def _report(mesh: Mesh, worst: int = 10) -> Report:
+def _report(mesh: Mesh, worst: int = 10, found: Metrics | None = None) -> Report:
     find_filter("get_quality").check_takes(type(mesh))
     assert isinstance(mesh, TetMesh)
-    return make_report(mesh, worst=worst)
+    return make_report(mesh, worst, found)
 
 
 def _meets(report: Report, goal: str) -> bool:
@@ -250,7 +254,8 @@ def optimize(
     assert isinstance(tets, TetMesh)
     assert isinstance(done, TetMesh)
     wct.write(target, done)
-    before, after = _report(replace(tets, reference=done.reference)), _report(replace(done, source=target))
+    before = _report(replace(tets, reference=done.reference))
+    after = _report(replace(done, source=target), found=metrics[optimizer_name])
     if json_path:
         content = {"before": before.to_dict(), "after": after.to_dict(), "filters": mesher_metrics | metrics}
         _write_text(json_path, json.dumps(content, indent=2))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.surface import Strata, enclosed_volume, strata, surface_strata
+from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_strata
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -86,22 +86,9 @@ def _facet_sag(points: Floats, found: Strata) -> float:
     A bend by the angle a between facets of edge l means a curvature of about a sqrt(3) / l, and facets that leave the
     surface by curvature l^2 / 6 in their middle.
     """
-    triangles, patch = found.triangles, found.patch
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    order = np.lexsort(ends.T[::-1])
-    ends, owner = ends[order], owner[order]
-    same = (ends[1:] == ends[:-1]).all(axis=1)
-    first, second = owner[:-1][same], owner[1:][same]
-    edge = ends[:-1][same]
-    inside = patch[first] == patch[second]
+    edges, bend, inside = bends(points, found)
     if not inside.any():
         return 0.0
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-    # Facets of an interface may wind either way.
-    cosine = np.abs(np.einsum("ij,ij->i", normals[first[inside]], normals[second[inside]]))
-    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-    length = np.linalg.norm(points[edge[inside, 1]] - points[edge[inside, 0]], axis=1)
-    return float(np.quantile(angle * length * np.sqrt(3.0) / 6.0, 0.99))
+    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    sag = np.radians(bend) * length * np.sqrt(3.0) / 6.0
+    return float(np.quantile(sag[inside], 0.99))

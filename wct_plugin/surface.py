@@ -117,6 +117,16 @@ def place(mesh: TetMesh, of: Strata) -> NDArray[np.int8]:
     return places
 
 
+def bends(points: Floats, of: Strata) -> tuple[Ints, Floats, Bools]:
+    """Edges (e, 2) between two surface triangles, how much the surface bends there in degrees, and if on a patch."""
+    edges, owners, starts, sizes, forward = _surface_edges(of.triangles, len(points))
+    paired = sizes == 2
+    first, second = owners[starts[paired]], owners[starts[paired] + 1]
+    same_way = forward[starts[paired]] == forward[starts[paired] + 1]
+    bend = np.degrees(_bend(points, of.triangles, first, second, same_way))
+    return edges[paired], bend, of.patch[first] == of.patch[second]
+
+
 def enclosed_volume(points: Floats, triangles: Ints) -> float:
     """Volume inside a closed surface of outward triangles (k, 3) on ``points`` (n, 3); negative if they run inward."""
     corners = points[triangles] - points[triangles].mean(axis=(0, 1))  # near the origin nothing cancels

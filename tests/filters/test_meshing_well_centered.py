@@ -1,11 +1,12 @@
 """All tets become well-centered and the domain stays what it was; the counts come from quality.py."""
 
+import json
 from dataclasses import replace
 
 import meshio
 import numpy as np
 import pytest
-from builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
+from builders import ball, bcc, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
 
 from wct_plugin import apply_filter, quality
 from wct_plugin.deviation import deviation
@@ -174,6 +175,64 @@ def test_the_reference_may_be_a_file(tmp_path):
 def test_bad_options_are_refused(options, message):
     with pytest.raises(OptionError, match=message):
         run(kuhn_cube(2), **options)
+
+
+# --- progress, stopping and what is said afterwards ------------------------------------------------------------------
+
+
+def test_progress_names_every_phase_and_counts_the_bad_tets():
+    mesh = ball(8)
+    heard = []
+    better, _ = run(mesh, reference=SPHERE, tolerance=5e-3, goal="3wc", progress=heard.append)
+    stages = [state.stage.partition(",")[0] for state in heard]
+    assert sorted(set(stages), key=stages.index)[:2] == ["resampling", "local search: passes"]
+    assert stages[-1] == "measuring"
+    assert all(0.0 <= state.done <= 1.0 for state in heard)
+    assert heard[0].bad == (~quality.measure(mesh).well_centered_3).sum()
+    assert heard[-1].bad == (~quality.measure(better).well_centered_3).sum() == 0
+    for stage in set(stages):
+        done = [state.done for state, name in zip(heard, stages, strict=True) if name == stage]
+        assert done == sorted(done)
+
+
+def test_stopped_while_resampling_the_input_is_the_best_so_far():
+    mesh = ball(4)
+    better, metrics = run(mesh, reference=SPHERE, tolerance=1e-2, progress=lambda state: False)
+    assert metrics["stopped"]
+    assert np.array_equal(better.points, mesh.points)
+    assert np.array_equal(better.tets, mesh.tets)
+    assert better.reference is SPHERE
+    assert metrics["bad"] == (~quality.measure(mesh).completely_well_centered).sum()
+    assert {tet["option"].partition(",")[0] for tet in metrics["remaining"]["tets"]} == {"more time: it was stopped"}
+
+
+def test_the_output_is_never_worse_than_the_input():
+    """Regular tets whose boundary is jagged: the resampled mesh has to bridge notches, and is stopped at once."""
+    mesh = bcc(3)
+    better, metrics = run(mesh, progress=stop_after(2))
+    assert metrics["bad"] == 0
+    assert quality.measure(better).completely_well_centered.all()
+
+
+def test_what_is_left_and_how_well_the_domain_is_kept():
+    mesh = two_region_cube(4)
+    better, metrics = run(mesh, boundary="fixed", progress=stop_after(4))
+    left = metrics["remaining"]
+    assert left["count"] == metrics["bad"] == (~quality.measure(better).completely_well_centered).sum()
+    assert 0 < left["proven"] <= left["by_place"]["patch"] + left["by_place"]["crease"] + left["by_place"]["corner"]
+    assert metrics["deviation"]["max"] < 1e-12
+    assert metrics["interfaces"]["1|2"]["max"] < 1e-12
+    assert metrics["volumes"]["1"]["after"] == pytest.approx(0.5)
+    assert metrics["shape"]["min_dihedral_angle"] == quality.measure(better).min_dihedral_angle.min()
+    json.dumps(metrics)
+
+
+def test_a_surface_that_is_not_kept_is_named():
+    far = SurfaceMesh(SPHERE.points * 1.1, SPHERE.triangles)
+    with pytest.warns(
+        WctWarning, match=r"^the boundary is \S+ of the diagonal from the reference; the tolerance is 1.00e-03"
+    ):
+        run(jittered_cube(3, 0), reference=far, tolerance=1e-3, boundary="fixed", progress=lambda state: False)
 
 
 def test_an_exception_in_progress_comes_through():
