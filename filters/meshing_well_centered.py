@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, quality
+from wct_plugin import _core, edge_length, quality
 from wct_plugin.adapters import meshio
+from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import fidelity, worst
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -25,6 +26,7 @@ from wct_plugin.transfer import Resampled, carry
 if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin._core import SearchedArrays
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Facets are held to this share of the tolerance at sample points, so that they keep it between them; vertices may sit
@@ -57,13 +59,22 @@ class MeshingOptions(Options):
     reference: SkipJsonSchema[SurfaceMesh] | str | None = Field(
         None, description="Surface to stay near, or its file (none: the surface read at the start, or the own boundary)"
     )
-    edge_length: float | None = Field(None, gt=0, description="Edge length in the mesh's unit (none: the input's own)")
+    edge_length: float | str | SkipJsonSchema[np.ndarray] | None = Field(
+        None,
+        description="Edge length in the mesh's unit: a number > 0, one per point, or the name of point data"
+        " (none: the input's own); shorter where the tolerance needs it",
+    )
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"
     )
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
+
+    @field_validator("edge_length", mode="before")
+    @classmethod
+    def _lengths(cls, value: Any) -> EdgeLength:
+        return edge_length.parse(value)
 
     @field_validator("reference", mode="before")
     @classmethod
@@ -94,6 +105,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options
         surface = self._surface or mesh.reference
+        wanted = edge_length.at_points(options.edge_length, mesh)
         own = own_boundary(mesh, options.crease_angle)
         plain = len(own.regions) == 1 and not (len(mesh.facets) or len(mesh.edges) or len(mesh.nodes))
         moves = options.boundary == "move"
@@ -107,10 +119,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         listen = _Listener(progress, self._bad(measured))
         start = None
         if moves and not sheets:
-            start = self._resample(mesh, reference, tolerance, listen)
+            start = self._resample(mesh, reference, tolerance, wanted, listen)
         if start is None or listen.stopped:
             reference = own
             start = _from_mesh(mesh, own, options.boundary)
+            if wanted is not None:
+                start["size"] = wanted
         found = self._search(start, reference, tolerance, listen)
         better = carry(mesh, own.strata, _resampled(found, reference.regions))
         listen.measure(found["bad"])
@@ -177,11 +191,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         )
 
     def _resample(
-        self, mesh: TetMesh, reference: Reference, tolerance: float, listen: "_Listener"
+        self, mesh: TetMesh, reference: Reference, tolerance: float, size: Floats | None, listen: "_Listener"
     ) -> dict[str, Any] | None:
         """The relaxed lattice start, or None where it does not represent the domain."""
         options = self.options
-        size = None if options.edge_length is None else np.full(len(mesh.points), options.edge_length)
         found = _core.resample(
             reference.points,
             reference.strata.triangles,

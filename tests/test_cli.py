@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -116,6 +117,21 @@ def test_a_reference_of_no_use_is_refused_before_the_work(cube, tmp_path, capsys
         out = tmp_path / "out.vtu"
         assert message in refused(capsys, "optimize", tmp_path / "no.ply", out, "--reference", tmp_path / name)
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_edge_length_is_a_number_or_a_field_of_the_mesh(tmp_path, capsys):
+    mesh = replace(CUBE, point_data={"size": np.full(len(CUBE.points), 0.15)})
+    wct.write(tmp_path / "cube.vtu", mesh)
+    given, out = str(tmp_path / "cube.vtu"), str(tmp_path / "out.vtu")
+    counts = []
+    for length in ("0.15", "size"):
+        assert cli.run(["optimize", given, out, "--goal", "3wc", "--edge-length", length]) == 0
+        counts.append(len(wct.read(out).tets))
+    assert counts[0] == counts[1] > 2 * len(CUBE.tets)
+    capsys.readouterr()
+    said = refused(capsys, "optimize", given, tmp_path / "other.vtu", "--edge-length", "sise")
+    assert said.endswith("it must be a number or one of the mesh's point data: 'size'")
+    assert not (tmp_path / "other.vtu").exists()
 
 
 def test_another_filter_by_name(cube, tmp_path, capsys):
