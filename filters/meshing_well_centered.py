@@ -16,7 +16,8 @@ from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import fidelity, worst
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
-from wct_plugin.reference import Reference, given_surface, own_boundary
+from wct_plugin.reference import Reference, own_boundary
+from wct_plugin.reference_choice import choose
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
@@ -106,12 +107,17 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         options = self.options
         surface = self._surface or mesh.reference
         wanted = edge_length.at_points(options.edge_length, mesh)
-        own = own_boundary(mesh, options.crease_angle)
-        plain = len(own.regions) == 1 and not (len(mesh.facets) or len(mesh.edges) or len(mesh.nodes))
         moves = options.boundary == "move"
-        reference = (
-            given_surface(surface, mesh, options.crease_angle) if surface is not None and plain and moves else own
-        )
+        own = own_boundary(mesh, options.crease_angle)
+        reference, reason = own, ""
+        if moves and surface is not None:
+            reference, reason = choose(mesh, surface, options.crease_angle, options.tolerance)
+        if reason:
+            warnings.warn(
+                f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
+                WctWarning,
+                stacklevel=2,
+            )
         diagonal = (surface or mesh).diagonal
         tolerance = (options.tolerance or reference.auto_tolerance()) * diagonal
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
@@ -126,7 +132,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             if wanted is not None:
                 start["size"] = wanted
         found = self._search(start, reference, tolerance, listen)
-        better = carry(mesh, own.strata, _resampled(found, reference.regions))
+        better = carry(mesh, own.strata, _resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
         gain = self._bad(measured) * len(after) - self._bad(after) * len(measured)
@@ -259,13 +265,13 @@ def _from_mesh(mesh: TetMesh, own: Reference, boundary: str) -> dict[str, Any]:
     }
 
 
-def _resampled(found: "SearchedArrays", regions: Ints) -> Resampled:
+def _resampled(found: "SearchedArrays", on: Reference) -> Resampled:
     return Resampled(
         found["points"],
         found["tets"],
-        regions[found["regions"]],
+        on.regions[found["regions"]],
         found["facets"],
-        found["facet_patch"],
+        on.carried[found["facet_patch"]],
         found["creases"],
         found["crease_curve"],
     )

@@ -23,6 +23,7 @@ class Reference:
     strata: Strata
     sides: Ints  #: -1 stands for outside
     regions: Ints  #: region tags in the order of their indices
+    carried: Ints  #: (patches,) the patch of the mesh's own surface whose tags each patch has
 
     @property
     def corners(self) -> Ints:
@@ -54,18 +55,20 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
     )
     of_patch = np.full((int(found.patch.max()) + 1, 2), -1, dtype=np.int64)
     of_patch[found.patch[: len(sides)]] = sides
-    return Reference(mesh.points, found, of_patch, regions)
+    return Reference(mesh.points, found, of_patch, regions, np.arange(len(of_patch)))
 
 
 def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> Reference:
-    """A surface as reference of a mesh of one region: equal points merged, flat triangles dropped, outward."""
-    clean = _clean(surface)
-    found = surface_strata(clean, crease_angle)
+    """A surface, mended, as reference of a mesh of one region without tags."""
+    mended = clean(surface)
+    found = surface_strata(mended, crease_angle)
     patches = int(found.patch.max()) + 1
-    return Reference(clean.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions))
+    nothing = np.zeros(patches, dtype=np.int64)
+    return Reference(mended.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions), nothing)
 
 
-def _clean(surface: SurfaceMesh) -> SurfaceMesh:
+def clean(surface: SurfaceMesh) -> SurfaceMesh:
+    """The surface with equal points merged, flat and repeated triangles dropped, outward."""
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[surface.triangles]
     corners = points[triangles]
@@ -86,7 +89,7 @@ def _facet_sag(points: Floats, found: Strata) -> float:
     A bend by the angle a between facets of edge l means a curvature of about a sqrt(3) / l, and facets that leave the
     surface by curvature l^2 / 6 in their middle.
     """
-    edges, bend, inside = bends(points, found)
+    edges, bend, inside = bends(points, found.triangles, found.patch)
     if not inside.any():
         return 0.0
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)

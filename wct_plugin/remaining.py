@@ -89,7 +89,7 @@ class _Advice:
 
     def __init__(self, mesh: TetMesh, of: Strata, boundary: str, crease_angle: float) -> None:
         self._mesh, self._of, self._boundary, self._crease_angle = mesh, of, boundary, crease_angle
-        edges, bend, smooth = bends(mesh.points, of)
+        edges, bend, smooth = bends(mesh.points, of.triangles, of.patch)
         count = len(mesh.points)
         self._patch_bend = np.zeros(count)
         np.maximum.at(self._patch_bend, edges[smooth].ravel(), np.repeat(bend[smooth], 2))

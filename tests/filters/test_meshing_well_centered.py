@@ -128,6 +128,26 @@ def test_tags_and_data_are_carried():
     assert dict(better.names) == {"in": (1, 2)}
 
 
+def test_tags_survive_on_a_finer_reference():
+    mesh, surface = cylinder(24, 8), cylinder(96, 24).boundary_surface()
+    triangles = mesh.topology.boundary
+    height = mesh.points[triangles].mean(axis=1)[:, 2]
+    mesh = replace(mesh, facets=Cells(triangles, np.select([height < 1e-9, height > 2 - 1e-9], [1, 2], 3)))
+    better, _ = run(mesh, reference=surface, tolerance=1e-2, goal="3wc")
+    check_domain(mesh, better)
+    for tag, wanted in ((1, np.pi), (2, np.pi), (3, 4.0 * np.pi)):
+        found = better.facets.vertices[better.facets.tags == tag]
+        assert area(better.points, found) == pytest.approx(wanted, rel=0.02)
+    assert len(better.facets) == len(better.topology.boundary)
+    assert deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
+
+
+def test_a_reference_that_cannot_be_followed_is_said():
+    mesh = two_region_cube(2)
+    with pytest.warns(WctWarning, match="not on the reference: the mesh has several regions"):
+        run(mesh, reference=mesh.boundary_surface(), progress=lambda state: False)
+
+
 def test_the_same_bits_twice():
     first, second = (run(ball(4), reference=SPHERE, tolerance=1e-2, seed=3)[0] for _ in range(2))
     assert np.array_equal(first.points, second.points)
