@@ -13,7 +13,7 @@ from wct_plugin import _core, edge_length, quality
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
-from wct_plugin.fidelity import fidelity, worst
+from wct_plugin.fidelity import beyond, fidelity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
 from wct_plugin.reference import Reference, own_boundary
@@ -154,13 +154,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         options = self.options
         kept = fidelity(old, new, new.reference)
         allowed = tolerance / (new.reference or old).diagonal
-        far = [f"the {name} is {off:.2e}" for name, off in worst(kept) if off > allowed]
-        if far:
-            warnings.warn(
-                f"{', '.join(far)} of the diagonal from the reference; the tolerance is {allowed:.2e}",
-                WctWarning,
-                stacklevel=3,
-            )
+        if far := beyond(kept, allowed):
+            warnings.warn(f"{', '.join(far)}; the tolerance is {allowed:.2e}", WctWarning, stacklevel=3)
         left = remaining(
             new,
             strata(new, options.crease_angle),

@@ -127,6 +127,11 @@ def test_what_a_filter_found_goes_in_as_it_is():
     assert "the worst" not in report.left(most=10_000)[0]
     assert title.partition(";")[0] in html([report], "t")
     assert make_report(bcc(2)).left() is None
+    assert report.notes == make_report(mesh).notes == ()
+    volumes = {tag: {"before": 1.0, "after": 1.1, "change": 0.1} for tag in "12"}
+    told = make_report(mesh, found={"volumes": volumes, "interfaces": {"1|2": None}})
+    assert told.notes == ("region 1: volume +10.000 %; region 2: volume +10.000 %; interface 1|2: lost",)
+    assert told.notes[0] in html([told], "t")
     assert make_report(mesh).to_dict()["remaining"] is None
 
 

@@ -175,8 +175,8 @@ def _print_before_after(before: Report, after: Report) -> None:
     out.print(_table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
     if left := after.left():
         out.print(_table(*left, left=True))
-    if after.shape_note():
-        out.print(Text(after.shape_note()))
+    for note in after.notes:
+        out.print(Text(note))
 
 
 def _report(mesh: Mesh, worst: int = 10, found: Metrics | None = None) -> Report:

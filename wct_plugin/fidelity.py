@@ -1,6 +1,7 @@
 """How well a resampled mesh keeps the domain of the old one: its boundary, its interfaces, its regions' volumes."""
 
-from typing import Any, TypedDict
+from collections.abc import Mapping
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,11 +44,35 @@ def fidelity(old: TetMesh, new: TetMesh, surface: SurfaceMesh | None) -> Fidelit
     }
 
 
-def worst(found: Fidelity) -> list[tuple[str, float]]:
-    """What was measured by name, and how far it is off as a fraction of the diagonal: infinite where it is lost."""
-    parts: dict[str, Any] = {"boundary": found["deviation"]}
-    parts |= {f"interface {name}": one for name, one in found["interfaces"].items()}
-    return [(name, one["fraction_of_diagonal"] if one else np.inf) for name, one in parts.items()]
+def beyond(found: Fidelity, allowed: float) -> list[str]:
+    """What is farther off than ``allowed``, a fraction of the diagonal, as phrases."""
+    parts = []
+    if found["deviation"]["fraction_of_diagonal"] > allowed:
+        parts.append(
+            f"the boundary is {found['deviation']['fraction_of_diagonal']:.2e} of the diagonal from the reference"
+        )
+    for name, apart in found["interfaces"].items():
+        if apart is None:
+            parts.append(f"the interface {name} is lost")
+        elif apart["fraction_of_diagonal"] > allowed:
+            parts.append(
+                f"the interface {name} is {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
+            )
+    return parts
+
+
+def describe(volumes: Mapping[str, Volumes], interfaces: Mapping[str, dict[str, float] | None]) -> str:
+    """One line about several regions for the report, empty for one region."""
+    if len(volumes) == 1:
+        return ""
+    parts = [f"region {tag}: volume {100 * one['change']:+.3f} %" for tag, one in volumes.items()]
+    parts += [
+        f"interface {name}: {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
+        if apart
+        else f"interface {name}: lost"
+        for name, apart in interfaces.items()
+    ]
+    return "; ".join(parts)
 
 
 def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import duals, quality, remaining, shape_floor, surface
+from wct_plugin import duals, fidelity, quality, remaining, shape_floor, surface
 from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
 from wct_plugin.quality import Quality
@@ -74,6 +74,7 @@ class Report:
     deviation: Mapping[str, float] | None  #: of the boundary from the reference, see :meth:`Deviation.to_dict`
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
+    notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings, lists and dicts in full precision; None where a value is not finite."""
@@ -172,10 +173,6 @@ class Report:
         title = remaining.title(self.remaining) + (f"; the worst {len(listed)} of them" if rest else "")
         return title, remaining.HEAD, listed
 
-    def shape_note(self) -> str:
-        """What is below the floor of shape, and what forces it; empty where nothing is."""
-        return shape_floor.describe(self.shape) if self.shape else ""
-
     def text_histograms(self) -> list[tuple[str, list[str]]]:
         """Title and lines of each histogram, for a terminal."""
         return [
@@ -231,7 +228,16 @@ def make_report(mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None 
         deviation=found.get("deviation") or _deviation(mesh),
         remaining=found.get("remaining"),
         shape=found.get("shape"),
+        notes=_notes(found),
     )
+
+
+def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
+    lines = (
+        shape_floor.describe(found["shape"]) if "shape" in found else "",
+        fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
+    )
+    return tuple(filter(None, lines))
 
 
 def _deviation(mesh: TetMesh) -> dict[str, float] | None:
