@@ -92,6 +92,9 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     With ``boundary`` keep or fixed, or where tagged facets lie inside a region, the search starts from the mesh itself.
+    Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
+    follow their own facets instead of it.
+    The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
     """
 
     name = "meshing_well_centered"
@@ -111,7 +114,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         own = own_boundary(mesh, options.crease_angle)
         reference, reason = own, ""
         if moves and surface is not None:
-            reference, reason = choose(mesh, surface, options.crease_angle, options.tolerance)
+            reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
         if reason:
             warnings.warn(
                 f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
@@ -138,6 +141,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         gain = self._bad(measured) * len(after) - self._bad(after) * len(measured)
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
             better, after = mesh, measured
+            if not listen.stopped:
+                warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=2)
         better = replace(better, reference=surface)
         result = self._judge(mesh, own, better, after, tolerance, stopped=found["stopped"])
         work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from wct_plugin import _core
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import TOLERANCE, Reference, clean, given_surface, own_boundary
+from wct_plugin.reference import TOLERANCE, Reference, clean, given_surface
 from wct_plugin.surface import bends, labelled_surface, surface_strata
 
 Floats = NDArray[np.float64]
@@ -16,13 +16,14 @@ Bools = NDArray[np.bool_]
 _AREA = 0.1
 
 
-def choose(mesh: TetMesh, surface: SurfaceMesh, crease_angle: float, tolerance: float | None) -> tuple[Reference, str]:
-    """The reference to follow, and why it is not ``surface`` where it is not.
+def choose(
+    mesh: TetMesh, own: Reference, surface: SurfaceMesh, crease_angle: float, tolerance: float | None
+) -> tuple[Reference, str]:
+    """The reference to follow: ``surface``, or the mesh's ``own`` and why.
 
     A mesh of one region without tags takes the surface as it is. Facets tagged on the boundary cut it: every triangle
     of the surface gets the tags of the nearest facet, if the borders between tags then run where they do on the mesh.
     """
-    own = own_boundary(mesh, crease_angle)
     if len(own.regions) > 1:
         return own, "the mesh has several regions"
     if len(mesh.edges) or len(mesh.nodes):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
-from builders import ball, bcc, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
+from builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
 
 from wct_plugin import _core, apply_filter, quality
 from wct_plugin.deviation import deviation
@@ -295,12 +295,22 @@ def test_stopped_while_resampling_the_input_is_the_best_so_far():
     assert {tet["option"].partition(",")[0] for tet in metrics["remaining"]["tets"]} == {"more time: it was stopped"}
 
 
-def test_the_output_is_never_worse_than_the_input():
-    """Regular tets whose boundary is jagged: the resampled mesh has to bridge notches, and is stopped at once."""
-    mesh = bcc(3)
-    better, metrics = run(mesh, progress=stop_after(2))
-    assert metrics["bad"] == 0
-    assert quality.measure(better).completely_well_centered.all()
+def test_the_output_is_never_worse_than_the_input(monkeypatch):
+    """A search that gives back a mesh of fewer good tets is not taken."""
+    mesh, search = jittered_cube(3, 0), _core.search_well_centered
+    bad = kuhn_cube(3)  # not one of its tets contains its circumcenter beyond doubt
+
+    def worse(**given):
+        found = search(**given | {"passes": 0, "kicks": 0})
+        regions = np.zeros(len(bad.tets), dtype=np.int64)
+        return found | {"points": bad.points, "tets": bad.tets, "regions": regions, "facets": bad.topology.boundary[:0]}
+
+    monkeypatch.setattr(_core, "search_well_centered", worse)
+    with pytest.warns(WctWarning, match="nothing better was found"):
+        same, metrics = run(mesh, goal="3wc")
+    assert np.array_equal(same.points, mesh.points)
+    assert np.array_equal(same.tets, mesh.tets)
+    assert metrics["bad"] == (~quality.measure(mesh).well_centered_3).sum()
 
 
 def test_what_is_left_and_how_well_the_domain_is_kept():
