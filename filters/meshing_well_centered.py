@@ -2,21 +2,32 @@
 
 import warnings
 from dataclasses import replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
+from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core
+from wct_plugin import _core, edge_length, quality
 from wct_plugin.adapters import meshio
-from wct_plugin.deviation import deviation
-from wct_plugin.errors import WctWarning
+from wct_plugin.edge_length import EdgeLength
+from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.fidelity import beyond, fidelity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import Reference, given_surface, own_boundary
+from wct_plugin.quality import Quality
+from wct_plugin.reference import Reference, own_boundary
+from wct_plugin.reference_choice import choose
+from wct_plugin.remaining import remaining
+from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.surface import strata
 from wct_plugin.transfer import Resampled, carry
 
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin._core import SearchedArrays
+
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Sweeps and tries at effort 1.
@@ -42,16 +53,25 @@ class MeshingOptions(Options):
         description="Greatest distance from the reference, both ways, as a fraction of the diagonal"
         " (none: 1e-3, or the sag of the reference's own facets if larger)",
     )
-    reference: SurfaceMesh | str | None = Field(
+    reference: SkipJsonSchema[SurfaceMesh] | str | None = Field(
         None, description="Surface to stay near, or its file (none: the surface read at the start, or the own boundary)"
     )
-    edge_length: float | None = Field(None, gt=0, description="Edge length in the mesh's unit (none: the input's own)")
+    edge_length: float | str | SkipJsonSchema[np.ndarray] | None = Field(
+        None,
+        description="Edge length in the mesh's unit: a number > 0, one per point, or the name of point data"
+        " (none: the input's own); shorter where the tolerance needs it",
+    )
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"
     )
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
+
+    @field_validator("edge_length", mode="before")
+    @classmethod
+    def _lengths(cls, value: Any) -> EdgeLength:
+        return edge_length.parse(value)
 
     @field_validator("reference", mode="before")
     @classmethod
@@ -68,6 +88,9 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     With ``boundary`` keep or fixed, or where tagged facets lie inside a region, the search starts from the mesh itself.
+    Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
+    follow their own facets instead of it.
+    The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
     """
 
     name = "meshing_well_centered"
@@ -75,28 +98,82 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     gives = TetMesh
     declaration = MeshingOptions
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._surface = _load(self.options.reference)  # now, so that a file of no use is refused before any work
+
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options
-        surface = meshio.read(options.reference) if isinstance(options.reference, str) else options.reference
-        surface = surface or mesh.reference
-        own = own_boundary(mesh, options.crease_angle)
-        plain = len(own.regions) == 1 and not (len(mesh.facets) or len(mesh.edges) or len(mesh.nodes))
+        surface = self._surface or mesh.reference
+        wanted = edge_length.at_points(options.edge_length, mesh)
         moves = options.boundary == "move"
-        reference = (
-            given_surface(surface, mesh, options.crease_angle)
-            if isinstance(surface, SurfaceMesh) and plain and moves
-            else own
-        )
-        tolerance = (options.tolerance or reference.auto_tolerance()) * reference.diagonal
+        own = own_boundary(mesh, options.crease_angle)
+        reference, reason = own, ""
+        if moves and surface is not None:
+            reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
+        if reason:
+            warnings.warn(
+                f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
+                WctWarning,
+                stacklevel=2,
+            )
+        diagonal = (surface or mesh).diagonal
+        tolerance = (options.tolerance or reference.auto_tolerance()) * diagonal
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
-        listen = _Listener(progress)
+        measured = quality.measure(mesh)
+        listen = _Listener(progress, self._bad(measured))
         start = None
         if moves and not sheets:
-            start = self._resample(mesh, reference, tolerance, listen)
-        if start is None:
+            start = self._resample(mesh, reference, tolerance, wanted, listen)
+        if start is None or listen.stopped:
             reference = own
             start = _from_mesh(mesh, own, options.boundary)
-        found = _core.search_well_centered(
+            if wanted is not None:
+                start["size"] = wanted
+        found = self._search(start, reference, tolerance, listen)
+        better = carry(mesh, own.strata, _resampled(found, reference))
+        listen.measure(found["bad"])
+        after = quality.measure(better)
+        gain = self._bad(measured) * len(after) - self._bad(after) * len(measured)
+        if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
+            better, after = mesh, measured
+            if not listen.stopped:
+                warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=2)
+        better = replace(better, reference=surface)
+        result = self._judge(mesh, own, better, after, tolerance, stopped=found["stopped"])
+        work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
+        return better, {**result, **work, "tolerance": tolerance / diagonal}
+
+    def _bad(self, measured: Quality) -> int:
+        good = measured.completely_well_centered if self.options.goal == "cwc" else measured.well_centered_3
+        return int((~good).sum())
+
+    def _judge(
+        self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
+    ) -> Metrics:
+        """What was reached and what is left, measured on the mesh itself; warns where the tolerance is not kept."""
+        options = self.options
+        kept = fidelity(old, new, new.reference)
+        allowed = tolerance / (new.reference or old).diagonal
+        if far := beyond(kept, allowed):
+            warnings.warn(f"{', '.join(far)}; the tolerance is {allowed:.2e}", WctWarning, stacklevel=3)
+        left = remaining(
+            new,
+            strata(new, options.crease_angle),
+            measured,
+            goal=options.goal,
+            boundary=options.boundary,
+            crease_angle=options.crease_angle,
+            stopped=stopped,
+        )
+        shape = shape_floor(new, measured, old, own.strata, tolerance)
+        return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
+
+    def _search(
+        self, start: dict[str, Any], reference: Reference, tolerance: float, listen: "_Listener"
+    ) -> "SearchedArrays":
+        options = self.options
+        return _core.search_well_centered(
             **start,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
@@ -113,45 +190,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             seed=options.seed,
             progress=listen.search,
         )
-        resampled = Resampled(
-            found["points"],
-            found["tets"],
-            reference.regions[found["regions"]],
-            found["facets"],
-            found["facet_patch"],
-            found["creases"],
-            found["crease_curve"],
-        )
-        better = carry(mesh, own.strata, resampled)
-        if isinstance(surface, SurfaceMesh):
-            better = replace(better, reference=surface)
-        target = surface if isinstance(surface, SurfaceMesh) else mesh.boundary_surface()
-        apart = deviation(better.boundary_surface(), target).max
-        if apart > tolerance:
-            warnings.warn(
-                f"the boundary is {apart / reference.diagonal:.2e} of the diagonal from the reference; "
-                f"the tolerance is {tolerance / reference.diagonal:.2e}",
-                WctWarning,
-                stacklevel=2,
-            )
-        metrics = {
-            "bad": found["bad"],
-            "deviation": apart / reference.diagonal,
-            "tets": len(better.tets),
-            "passes": found["passes"],
-            "kicks": found["kicks"],
-            "evaluations": found["evaluations"],
-            "tolerance": tolerance / reference.diagonal,
-            "stopped": found["stopped"],
-        }
-        return better, metrics
 
     def _resample(
-        self, mesh: TetMesh, reference: Reference, tolerance: float, listen: "_Listener"
+        self, mesh: TetMesh, reference: Reference, tolerance: float, size: Floats | None, listen: "_Listener"
     ) -> dict[str, Any] | None:
         """The relaxed lattice start, or None where it does not represent the domain."""
         options = self.options
-        size = None if options.edge_length is None else np.full(len(mesh.points), options.edge_length)
         found = _core.resample(
             reference.points,
             reference.strata.triangles,
@@ -186,6 +230,15 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         }
 
 
+def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
+    if not isinstance(reference, str):
+        return reference
+    surface = meshio.read(reference)
+    if isinstance(surface, TetMesh):
+        raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
+    return surface
+
+
 def _from_mesh(mesh: TetMesh, own: Reference, boundary: str) -> dict[str, Any]:
     """The mesh itself as the search's start; its surface vertices stay unless the boundary moves."""
     edges = mesh.topology.edges
@@ -207,14 +260,41 @@ def _from_mesh(mesh: TetMesh, own: Reference, boundary: str) -> dict[str, Any]:
     }
 
 
-class _Listener:
-    """Passes the core's progress on under one name per phase."""
+def _resampled(found: "SearchedArrays", on: Reference) -> Resampled:
+    return Resampled(
+        found["points"],
+        found["tets"],
+        on.regions[found["regions"]],
+        found["facets"],
+        on.carried[found["facet_patch"]],
+        found["creases"],
+        found["crease_curve"],
+    )
 
-    def __init__(self, progress: ProgressCallback) -> None:
+
+class _Listener:
+    """Passes the core's progress on under one name per phase, with the bad tets of the best mesh so far."""
+
+    def __init__(self, progress: ProgressCallback, bad: int) -> None:
         self._progress = progress
+        self._bad = bad
+        self.stopped = not self._tell("resampling", 0.0)
+
+    def _tell(self, stage: str, done: float) -> bool:
+        return self._progress(Progress(stage, done, self._bad)) is not False
 
     def resample(self, done: float, bad: int) -> bool:
-        return self._progress(Progress("resampling", done)) is not False
+        """Until the search takes the new mesh over, the best so far is the input."""
+        self.stopped = self.stopped or not self._tell("resampling", done)
+        return not self.stopped
 
     def search(self, phase: str, done: float, bad: int) -> bool:
-        return self._progress(Progress(f"local search: {phase}", done, bad)) is not False
+        # All tets meet the goal once their margin is worked on.
+        self._bad = 0 if phase == "margin" else bad
+        stage = f"local search: margin, {bad} tets short of it" if phase == "margin" else f"local search: {phase}"
+        self.stopped = self.stopped or not self._tell(stage, done)
+        return not self.stopped
+
+    def measure(self, bad: int) -> None:
+        self._bad = bad
+        self._tell("measuring", 1.0)

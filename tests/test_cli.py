@@ -1,21 +1,27 @@
 """``wct`` as its users meet it: exit codes, one-line errors, tables, JSON, files written or not at all."""
 
+import contextlib
 import json
 import os
+import pty
 import re
 import signal
 import subprocess
 import sys
-import time
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
-from builders import bcc, jittered_cube, single, sphere_surface
+from builders import ball, bcc, jittered_cube, single, sphere_surface
 
 import wct_plugin as wct
-from wct_plugin import cli
+from wct_plugin import cli, quality
+from wct_plugin.deviation import deviation
+from wct_plugin.errors import OptionError
+from wct_plugin.pipeline import mesher_within_tolerance
+from wct_plugin.stage import find_filter
 
 WCT = Path(sys.executable).with_name("wct")
 CUBE = jittered_cube(4, 0)
@@ -74,30 +80,133 @@ def test_a_surface_goes_through_the_mesher(tmp_path):
     found = json.loads((tmp_path / "b.json").read_text())
     assert found["filters"]["generate_tetrahedralization"]["tets"] == found["before"]["tets"]
     assert 0 < found["after"]["deviation"]["fraction_of_diagonal"] < 0.05
+    assert "meshing_well_centered" in found["filters"]
+
+
+def test_the_mesher_gets_half_of_the_tolerance_given():
+    mesher, optimizer = find_filter("generate_tetrahedralization"), find_filter(cli._OPTIMIZERS[0])
+
+    def epsilon(given, **options):
+        return mesher_within_tolerance(mesher(**given), optimizer(**options)).options.epsilon
+
+    assert epsilon({}) == 5e-4
+    assert epsilon({}, tolerance=1e-2) == 5e-4
+    assert epsilon({"edge_length": 0.1}, tolerance=4e-4) == 2e-4
+    assert epsilon({"epsilon": 2e-4}, tolerance=4e-4) == 2e-4
+    with pytest.raises(OptionError, match=r"'epsilon' is 0.001; of the tolerance of 0.001 it may take half, 0.0005"):
+        epsilon({"epsilon": 1e-3}, tolerance=1e-3)
+
+
+def test_the_reference_is_a_file_and_both_reports_are_about_it(tmp_path):
+    wct.write(tmp_path / "ball.vtu", ball(4))
+    wct.write(tmp_path / "true.ply", sphere_surface(2000))
+    names = {name: str(tmp_path / name) for name in ("ball.vtu", "out.vtu", "true.ply", "out.json")}
+    arguments = ["--reference", names["true.ply"], "--tolerance", "0.01", "--goal", "3wc", "--json", names["out.json"]]
+    assert cli.run(["optimize", names["ball.vtu"], names["out.vtu"], *arguments]) == 0
+    found = json.loads((tmp_path / "out.json").read_text())
+    before, after = (found[side]["deviation"]["fraction_of_diagonal"] for side in ("before", "after"))
+    true = deviation(ball(4).boundary_surface(), sphere_surface(2000)).max / sphere_surface(2000).diagonal
+    assert before == pytest.approx(true, rel=1e-6)
+    assert 0 < after <= 0.01
+
+
+def test_a_reference_of_no_use_is_refused_before_the_work(cube, tmp_path, capsys):
+    (tmp_path / "bad.stl").write_text("what is this?")
+    before = sorted(tmp_path.iterdir())
+    for name, message in (("none.ply", "there is no such file"), ("bad.stl", "bad.stl: "), ("cube.vtu", "a tet mesh")):
+        out = tmp_path / "out.vtu"
+        assert message in refused(capsys, "optimize", tmp_path / "no.ply", out, "--reference", tmp_path / name)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_edge_length_is_a_number_or_a_field_of_the_mesh(tmp_path, capsys):
+    mesh = replace(CUBE, point_data={"size": np.full(len(CUBE.points), 0.15)})
+    wct.write(tmp_path / "cube.vtu", mesh)
+    given, out = str(tmp_path / "cube.vtu"), str(tmp_path / "out.vtu")
+    counts = []
+    for length in ("0.15", "size"):
+        assert cli.run(["optimize", given, out, "--goal", "3wc", "--edge-length", length]) == 0
+        counts.append(len(wct.read(out).tets))
+    assert counts[0] == counts[1] > 2 * len(CUBE.tets)
+    capsys.readouterr()
+    said = refused(capsys, "optimize", given, tmp_path / "other.vtu", "--edge-length", "sise")
+    assert said.endswith("it must be a number or one of the mesh's point data: 'size'")
+    assert not (tmp_path / "other.vtu").exists()
+
+
+def test_another_filter_by_name(cube, tmp_path, capsys):
+    out, numbers = tmp_path / "out.vtu", tmp_path / "out.json"
+    mover = ["--filter", "apply_coord_well_centering"]
+    assert cli.run(["optimize", str(cube), str(out), *mover, "--boundary", "slide", "--json", str(numbers)]) == 1
+    assert list(json.loads(numbers.read_text())["filters"]) == ["apply_coord_well_centering"]
+    assert np.array_equal(wct.read(out).tets, CUBE.tets)
+    capsys.readouterr()
+    assert "unknown option 'seed'" in refused(capsys, "optimize", cube, out, *mover, "--seed", "1")
+    assert "'boundary' is 'slide'" in refused(capsys, "optimize", cube, out, "--boundary", "slide")
 
 
 def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
-    cli.run(["optimize", str(cube), str(tmp_path / "out.vtu"), "--json", "-"])
+    cli.run(["optimize", str(cube), str(tmp_path / "out.vtu"), "--goal", "3wc", "--json", "-"])
     assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters"}
 
 
-def test_ctrl_c_keeps_the_best_so_far(tmp_path):
-    wct.write(tmp_path / "big.vtu", jittered_cube(16, 0))
-    child = subprocess.Popen(
-        [WCT, "optimize", tmp_path / "big.vtu", tmp_path / "out.vtu", "--effort", "100"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    ticks = 0  # CPU time, not wall time, tells that reading is over and moving has begun, however busy the machine is
-    while ticks < 5 * os.sysconf("SC_CLK_TCK"):
-        time.sleep(0.1)
-        ticks = sum(map(int, Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()[11:13]))
-    child.send_signal(signal.SIGINT)
-    _, err = child.communicate(timeout=120)
-    assert child.returncode == 1, err
+def on_a_terminal(folder, arguments, interrupt_at=None):
+    """Run wct with a terminal for stderr, Ctrl-C when it first shows ``interrupt_at``; exit code, stdout, stderr."""
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "120"}
+    with (folder / "stdout").open("w+") as out:
+        child = subprocess.Popen([WCT, *arguments], cwd=folder, stdout=out, stderr=theirs, env=environment)
+        os.close(theirs)
+        shown = ""
+        with contextlib.suppress(OSError):  # the terminal is gone when the child is
+            while part := os.read(ours, 65536).decode(errors="replace"):
+                shown += re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", part)
+                if interrupt_at and interrupt_at in shown:
+                    child.send_signal(signal.SIGINT)
+                    interrupt_at = None
+        os.close(ours)
+        code = child.wait(60)
+        out.seek(0)
+        return code, out.read(), shown
+
+
+@pytest.mark.parametrize("stage", ["resampling", "local search: passes"])
+def test_ctrl_c_keeps_the_best_so_far(stage, tmp_path):
+    before = jittered_cube(16, 0)
+    wct.write(tmp_path / "big.vtu", before)
+    code, out, err = on_a_terminal(tmp_path, ["optimize", "big.vtu", "out.vtu", "--json", "out.json"], stage)
+    assert code == 1, err
     assert "the best so far is kept" in err
-    assert len(wct.read(tmp_path / "out.vtu").tets) == len(jittered_cube(16, 0).tets)
+    assert "tets miss the goal" in out
+    after = wct.read(tmp_path / "out.vtu")
+    assert quality.volumes(after.points, after.tets).sum() == pytest.approx(1.0, rel=1e-9)
+    good = [quality.measure(mesh).completely_well_centered for mesh in (before, after)]
+    assert good[1].mean() >= good[0].mean()
+    left = json.loads((tmp_path / "out.json").read_text())["filters"]["meshing_well_centered"]
+    assert left["stopped"]
+    assert left["remaining"]["count"] == (~good[1]).sum() > 0
+
+
+def test_progress_shows_stage_bad_tets_and_time_on_a_terminal(tmp_path):
+    wct.write(tmp_path / "cube.vtu", jittered_cube(8, 0))
+    code, _, text = on_a_terminal(tmp_path, ["optimize", "cube.vtu", "out.vtu", "--goal", "3wc"])
+    assert code in (0, 1)
+    for stage in ("resampling", "local search: passes"):
+        assert re.search(stage + r"\D+\d+ bad +0:00:\d\d", text), text[-2000:]
+
+
+def test_what_is_left_is_said_on_the_terminal_in_json_and_in_html(tmp_path, capsys):
+    wct.write(tmp_path / "flat.vtu", single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.1]]))
+    names = {suffix: str(tmp_path / f"out.{suffix}") for suffix in ("vtu", "json", "html")}
+    extra = ["--boundary", "fixed", "--json", names["json"], "--html", names["html"]]
+    assert cli.run(["optimize", str(tmp_path / "flat.vtu"), names["vtu"], *extra]) == 1
+    left = json.loads(Path(names["json"]).read_text())["after"]["remaining"]
+    assert (left["count"], left["proven"], left["tets"][0]["place"]) == (1, 1, "corner")
+    printed = " ".join(capsys.readouterr().out.split())
+    for text in (printed, Path(names["html"]).read_text()):
+        assert "1 tets miss the goal: 1 corner" in text
+        assert "boundary=keep or move" in text
+        assert "1 of them at creases that open no wider" in text
 
 
 # --- report and filters ---------------------------------------------------------------------------------------------
@@ -133,12 +242,17 @@ def test_filters_lists_and_shows_a_page(capsys):
     assert re.search(r"crease_angle +40.0 +> 0, < 180", page)
     assert cli.run(["filters", "get_quality", "--json", "-"]) == 0
     assert "worst" in json.loads(capsys.readouterr().out)["get_quality"]["options"]["properties"]
+    assert cli.run(["filters", "--json", "-"]) == 0
+    mesher = json.loads(capsys.readouterr().out)["meshing_well_centered"]["options"]["properties"]
+    assert mesher["reference"]["anyOf"] == [{"type": "string"}, {"type": "null"}]
+    assert cli.run(["filters", "meshing_well_centered"]) == 0
+    assert re.search(r"boundary +move +move \| keep \| fixed", capsys.readouterr().out)
 
 
 def test_help_names_every_declared_option(capsys):
     assert cli.run(["optimize", "--help"]) == 0
     shown = capsys.readouterr().out
-    for option in ("--goal", "--boundary", "--margin", "--crease-angle", "--effort", "--mesher-edge-length"):
+    for option in ("--goal", "--boundary", "--reference", "--seed", "--filter", "--effort", "--mesher-edge-length"):
         assert option in shown
 
 
@@ -248,7 +362,7 @@ def test_a_crash_of_ours_is_one_line_too(cube, capsys, monkeypatch):
 def test_what_a_format_drops_is_said_in_one_line(tmp_path, capsys):
     mesh, _ = wct.apply_filter("compute_scalar_by_well_centeredness", CUBE)
     wct.write(tmp_path / "marked.vtu", mesh)
-    cli.run(["optimize", str(tmp_path / "marked.vtu"), str(tmp_path / "out.mesh")])
+    cli.run(["optimize", str(tmp_path / "marked.vtu"), str(tmp_path / "out.mesh"), "--goal", "3wc"])
     said = capsys.readouterr().err
     assert said.startswith("warning: ")
     assert "dual_volume" in said

@@ -13,8 +13,10 @@ from builders import PAPER_TETS, ball, bcc, jittered_cube, kuhn_cube, rotation, 
 from wct_plugin import quality
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.remaining import remaining
 from wct_plugin.report import make_report, text_histogram
 from wct_plugin.report_page import html
+from wct_plugin.surface import strata
 
 
 @pytest.mark.parametrize("name", PAPER_TETS)
@@ -106,6 +108,31 @@ def test_deviation_from_the_reference():
     assert found["fraction_of_diagonal"] == pytest.approx(0.1 / 1.1)
     assert 0 < found["sampling_error"] < 0.2
     assert make_report(replace(mesh, reference=surface)).to_dict()["deviation"]["max"] < 1e-12
+
+
+def test_what_a_filter_found_goes_in_as_it_is():
+    mesh = jittered_cube(4, 1)
+    of = strata(mesh)
+    left = remaining(mesh, of, quality.measure(mesh), goal="cwc", boundary="keep", crease_angle=40.0, stopped=False)
+    apart = {"fraction_of_diagonal": 0.25}
+    report = make_report(mesh, found={"deviation": apart, "remaining": left, "tets": 3})
+    found = report.to_dict()
+    assert (found["deviation"], found["remaining"], found["shape"]) == (apart, left, None)
+    assert found["tets"] == len(mesh.tets)
+    assert dict(report.rows_summary())["deviation / diagonal"] == "2.50e-01"
+    title, head, rows = report.left(most=5)
+    assert title.endswith("; the worst 5 of them")
+    assert len(rows) == 5
+    assert all(len(row) == len(head) for row in rows)
+    assert "the worst" not in report.left(most=10_000)[0]
+    assert title.partition(";")[0] in html([report], "t")
+    assert make_report(bcc(2)).left() is None
+    assert report.notes == make_report(mesh).notes == ()
+    volumes = {tag: {"before": 1.0, "after": 1.1, "change": 0.1} for tag in "12"}
+    told = make_report(mesh, found={"volumes": volumes, "interfaces": {"1|2": None}})
+    assert told.notes == ("region 1: volume +10.000 %; region 2: volume +10.000 %; interface 1|2: lost",)
+    assert told.notes[0] in html([told], "t")
+    assert make_report(mesh).to_dict()["remaining"] is None
 
 
 def test_percent_never_rounds_to_all_or_none():

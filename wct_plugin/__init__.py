@@ -2,7 +2,7 @@
 
 >>> import wct_plugin as wct
 >>> mesh = wct.read("part.msh")  # doctest: +SKIP
->>> mesh, metrics = wct.apply_filter("apply_coord_well_centering", mesh)  # doctest: +SKIP
+>>> mesh, metrics = wct.apply_filter("meshing_well_centered", mesh)  # doctest: +SKIP
 >>> wct.write("part.vtu", mesh)  # doctest: +SKIP
 """
 

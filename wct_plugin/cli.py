@@ -34,11 +34,12 @@ from wct_plugin.errors import OptionError, WctError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.report import Report, make_report
 from wct_plugin.report_page import html
-from wct_plugin.stage import Filter, Mesh, Options, Progress, ProgressCallback, filter_names, find_filter
+from wct_plugin.stage import Filter, Mesh, Metrics, Options, Progress, ProgressCallback, filter_names, find_filter
 
 GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
 
-_OPTIMIZER = "apply_coord_well_centering"
+#: The filters ``wct optimize`` may run, the default first.
+_OPTIMIZERS = ("meshing_well_centered", "apply_coord_well_centering")
 _MESHER = "generate_tetrahedralization"
 _MESHER_PREFIX = "mesher_"
 
@@ -55,12 +56,12 @@ err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
 
 
 def _click_type(field: FieldInfo) -> Any:
-    annotation = field.annotation
-    alternatives = [kind for kind in get_args(annotation) if kind is not type(None)]
-    if alternatives and all(isinstance(choice, str) for choice in alternatives):
-        return click.Choice(alternatives)
-    kind = alternatives[0] if alternatives else annotation
-    return kind if kind in (int, float, bool) else str
+    alternatives = [kind for kind in get_args(field.annotation) if kind is not type(None)] or [field.annotation]
+    return alternatives[0] if len(alternatives) == 1 and alternatives[0] in (int, float, bool) else str
+
+
+def _choices(field: FieldInfo) -> list[str]:
+    return [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
 
 
 def describe_default(field: FieldInfo) -> str:
@@ -70,9 +71,8 @@ def describe_default(field: FieldInfo) -> str:
 
 def describe_range(field: FieldInfo) -> str:
     """Give an option's choices or bounds, as declared."""
-    choices = [str(choice) for choice in get_args(field.annotation) if isinstance(choice, str)]
-    if choices:
-        return " | ".join(choices)
+    if _choices(field):
+        return " | ".join(_choices(field))
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     bounds = [
         f"{sign} {getattr(mark, name):g}"
@@ -83,24 +83,33 @@ def describe_range(field: FieldInfo) -> str:
     return ", ".join(bounds)
 
 
-def _filter_options(name: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorate a command with one ``--option`` per field the filter declares; unset ones stay out of the call."""
-    fields = find_filter(name).declaration.model_fields
+def _fields(*names: str) -> dict[str, FieldInfo]:
+    found = [find_filter(name).declaration.model_fields.items() for name in reversed(names)]
+    return {option: field for fields in found for option, field in fields}
+
+
+def _filter_options(*names: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
+
+    Where two filters declare a field the help is the first one's; each checks the values it is given by itself.
+    """
+    fields = _fields(*names)
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         for option, field in reversed(fields.items()):
-            bounds = describe_range(field) if not isinstance(_click_type(field), click.Choice) else ""
-            shown = f"{field.description}  [{'; '.join(filter(None, [bounds, f'default {describe_default(field)}']))}]"
+            choices = "|".join(_choices(field))
+            range_and_default = ["" if choices else describe_range(field), f"default {describe_default(field)}"]
+            shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
             flag = "--" + (prefix + option).replace("_", "-")
-            command = click.option(flag, prefix + option, type=_click_type(field), default=None, help=shown)(command)
+            metavar = f"[{choices}]" if choices else None
+            command = click.option(flag, prefix + option, type=_click_type(field), metavar=metavar, help=shown)(command)
         return command
 
     return decorate
 
 
-def _given(name: str, values: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    fields = find_filter(name).declaration.model_fields
-    return {field: values[prefix + field] for field in fields if values[prefix + field] is not None}
+def _given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
+    return {option: values[prefix + option] for option in _fields(*names) if values[prefix + option] is not None}
 
 
 # --- progress and Ctrl-C --------------------------------------------------------------------------------------------
@@ -164,12 +173,16 @@ def _print_report(report: Report) -> None:
 def _print_before_after(before: Report, after: Report) -> None:
     rows = [(name, old, new) for (name, old), (_, new) in zip(before.rows_summary(), after.rows_summary(), strict=True)]
     out.print(_table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
+    if left := after.left():
+        out.print(_table(*left, left=True))
+    for note in after.notes:
+        out.print(Text(note))
 
 
-def _report(mesh: Mesh, worst: int = 10) -> Report:
+def _report(mesh: Mesh, worst: int = 10, found: Metrics | None = None) -> Report:
     find_filter("get_quality").check_takes(type(mesh))
     assert isinstance(mesh, TetMesh)
-    return make_report(mesh, worst=worst)
+    return make_report(mesh, worst, found)
 
 
 def _meets(report: Report, goal: str) -> bool:
@@ -202,33 +215,47 @@ def cli() -> None:
 @cli.command()
 @click.argument("source", metavar="IN")
 @click.argument("target", metavar="OUT")
-@_filter_options(_OPTIMIZER)
-@_filter_options(_MESHER, _MESHER_PREFIX)
+@click.option(
+    "--filter",
+    "optimizer_name",
+    type=click.Choice(_OPTIMIZERS),
+    default=_OPTIMIZERS[0],
+    show_default=True,
+    help="What improves the tets; the options below are those of the default, `wct filters NAME` shows another's",
+)
+@_filter_options(*_OPTIMIZERS)
+@_filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option("--html", "html_path", metavar="FILE", help="Write the reports before and after as one HTML page")
-def optimize(source: str, target: str, json_path: str | None, html_path: str | None, **values: Any) -> int:
+def optimize(
+    source: str, target: str, optimizer_name: str, json_path: str | None, html_path: str | None, **values: Any
+) -> int:
     """Improve the tets of IN and write OUT; a surface IN goes through fTetWild first.
 
     Exit code 0: every tet meets the goal. 1: not every one, the best mesh is written. 2: nothing is written.
     """
-    optimizer = find_filter(_OPTIMIZER)(**_given(_OPTIMIZER, values))
-    mesher_options = _given(_MESHER, values, _MESHER_PREFIX)
+    optimizer = find_filter(optimizer_name)(**_given(values, *_OPTIMIZERS))
+    mesher_options = _given(values, _MESHER, prefix=_MESHER_PREFIX)
     mesher = find_filter(_MESHER)(**mesher_options)
     _check_outputs(target, json_path, html_path)
     formats.to_write(Path(target), volume=True)
 
     mesh = wct.read(source)
-    chain: list[Filter[Options]] = [mesher] if isinstance(mesh, SurfaceMesh) else []
-    if not chain and mesher_options:
+    chain: list[Filter[Options]] = []
+    if isinstance(mesh, SurfaceMesh):
+        chain = [pipeline.mesher_within_tolerance(mesher, optimizer)]
+    elif mesher_options:
         flag = "--" + (_MESHER_PREFIX + next(iter(mesher_options))).replace("_", "-")
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     pipeline.check(type(mesh), [*chain, optimizer])
     with _progress() as progress:
         tets, mesher_metrics = pipeline.run(mesh, chain, progress)
-        before = _report(tets)
         done, metrics = pipeline.run(tets, [optimizer], progress)
+    assert isinstance(tets, TetMesh)
+    assert isinstance(done, TetMesh)
     wct.write(target, done)
-    after = _report(replace(done, source=target))
+    before = _report(replace(tets, reference=done.reference))
+    after = _report(replace(done, source=target), found=metrics[optimizer_name])
     if json_path:
         content = {"before": before.to_dict(), "after": after.to_dict(), "filters": mesher_metrics | metrics}
         _write_text(json_path, json.dumps(content, indent=2))

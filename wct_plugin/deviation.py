@@ -33,6 +33,16 @@ class Deviation:
         """The larger of both directions: the sampled Hausdorff distance."""
         return max(self.max_ab, self.max_ba)
 
+    def to_dict(self, diagonal: float) -> dict[str, float]:
+        """Plain numbers where b is the reference, whose bounding box has this diagonal."""
+        return {
+            "to_reference": self.max_ab,
+            "from_reference": self.max_ba,
+            "max": self.max,
+            "fraction_of_diagonal": self.max / diagonal,
+            "sampling_error": max(self.error_ab, self.error_ba),
+        }
+
 
 def deviation(a: SurfaceMesh, b: SurfaceMesh, spacing: float | None = None) -> Deviation:
     """Two-sided distance between surfaces, from samples at all vertices and regularly inside the triangles.

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from wct_plugin.errors import OptionError
 from wct_plugin.stage import Filter, Mesh, Metrics, Options, ProgressCallback
 
 
@@ -22,3 +23,20 @@ def run(
     for stage in filters:
         mesh, metrics[stage.name] = stage(mesh, progress)
     return mesh, metrics
+
+
+def mesher_within_tolerance(mesher: Filter[Options], optimizer: Filter[Options]) -> Filter[Options]:
+    """The ``mesher`` with an ``epsilon`` of at most half the ``tolerance`` given to the optimizer, which is for both.
+
+    An epsilon that was not given is lowered where need be; one that was raises :class:`OptionError` if too large.
+    """
+    epsilon = mesher.options.model_dump()["epsilon"]
+    tolerance = optimizer.options.model_dump()["tolerance"]
+    if "tolerance" not in optimizer.options.model_fields_set or tolerance is None or epsilon <= tolerance / 2:
+        return mesher
+    if "epsilon" in mesher.options.model_fields_set:
+        raise OptionError(
+            f"filters.{mesher.name}: option 'epsilon' is {epsilon:g}; "
+            f"of the tolerance of {tolerance:g} it may take half, {tolerance / 2:g}"
+        )
+    return type(mesher)(**mesher.options.model_dump() | {"epsilon": tolerance / 2})

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.surface import Strata, enclosed_volume, strata, surface_strata
+from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_strata
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -23,6 +23,7 @@ class Reference:
     strata: Strata
     sides: Ints  #: -1 stands for outside
     regions: Ints  #: region tags in the order of their indices
+    carried: Ints  #: (patches,) the patch of the mesh's own surface whose tags each patch has
 
     @property
     def corners(self) -> Ints:
@@ -54,11 +55,20 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
     )
     of_patch = np.full((int(found.patch.max()) + 1, 2), -1, dtype=np.int64)
     of_patch[found.patch[: len(sides)]] = sides
-    return Reference(mesh.points, found, of_patch, regions)
+    return Reference(mesh.points, found, of_patch, regions, np.arange(len(of_patch)))
 
 
 def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> Reference:
-    """A surface as reference of a mesh of one region: equal points merged, flat triangles dropped, outward."""
+    """A surface, mended, as reference of a mesh of one region without tags."""
+    mended = clean(surface)
+    found = surface_strata(mended, crease_angle)
+    patches = int(found.patch.max()) + 1
+    nothing = np.zeros(patches, dtype=np.int64)
+    return Reference(mended.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions), nothing)
+
+
+def clean(surface: SurfaceMesh) -> SurfaceMesh:
+    """The surface with equal points merged, flat and repeated triangles dropped, outward."""
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[surface.triangles]
     corners = points[triangles]
@@ -70,10 +80,7 @@ def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> R
     if enclosed_volume(points, triangles) < 0:
         triangles = triangles[:, ::-1].copy()
     used, place = np.unique(triangles, return_inverse=True)
-    clean = SurfaceMesh(points[used], place.reshape(-1, 3), tags)
-    found = surface_strata(clean, crease_angle)
-    patches = int(found.patch.max()) + 1
-    return Reference(clean.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions))
+    return SurfaceMesh(points[used], place.reshape(-1, 3), tags)
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:
@@ -82,22 +89,9 @@ def _facet_sag(points: Floats, found: Strata) -> float:
     A bend by the angle a between facets of edge l means a curvature of about a sqrt(3) / l, and facets that leave the
     surface by curvature l^2 / 6 in their middle.
     """
-    triangles, patch = found.triangles, found.patch
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    order = np.lexsort(ends.T[::-1])
-    ends, owner = ends[order], owner[order]
-    same = (ends[1:] == ends[:-1]).all(axis=1)
-    first, second = owner[:-1][same], owner[1:][same]
-    edge = ends[:-1][same]
-    inside = patch[first] == patch[second]
+    edges, bend, inside = bends(points, found.triangles, found.patch)
     if not inside.any():
         return 0.0
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-    # Facets of an interface may wind either way.
-    cosine = np.abs(np.einsum("ij,ij->i", normals[first[inside]], normals[second[inside]]))
-    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-    length = np.linalg.norm(points[edge[inside, 1]] - points[edge[inside, 0]], axis=1)
-    return float(np.quantile(angle * length * np.sqrt(3.0) / 6.0, 0.99))
+    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    sag = np.radians(bend) * length * np.sqrt(3.0) / 6.0
+    return float(np.quantile(sag[inside], 0.99))

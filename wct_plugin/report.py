@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import duals, quality, surface
-from wct_plugin.deviation import Deviation, deviation
+from wct_plugin import duals, fidelity, quality, remaining, shape_floor, surface
+from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
 from wct_plugin.quality import Quality
+from wct_plugin.remaining import Remaining
+from wct_plugin.shape_floor import ShapeFloor
 from wct_plugin.surface import PLACES
 
 #: Bin edges of the histograms: smallest h/R of a tet, its largest face angle, all its dihedral angles.
@@ -69,8 +71,10 @@ class Report:
     histograms: Mapping[str, NDArray[np.int64]]  #: counts: h/R (min per tet), face_angle (max), dihedral_angle (all)
     worst: tuple[WorstTet, ...]  #: worst first, by the smaller of min h/R and the cosine of the largest face angle
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
-    deviation: Deviation | None  #: from the boundary (a) to the mesh's reference (b), if it has one
-    reference_diagonal: float | None  #: bounding-box diagonal of the reference
+    deviation: Mapping[str, float] | None  #: of the boundary from the reference, see :meth:`Deviation.to_dict`
+    remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
+    shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
+    notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings, lists and dicts in full precision; None where a value is not finite."""
@@ -97,20 +101,9 @@ class Report:
             name: dict(zip(("tets", "not_3wc", "not_cwc"), counts, strict=True))
             for name, counts in self.bad_by_place.items()
         }
-        out["deviation"] = self._deviation_dict()
+        out |= {"deviation": self.deviation, "remaining": self.remaining, "shape": self.shape}
         finite: dict[str, Any] = _finite(out)
         return finite
-
-    def _deviation_dict(self) -> dict[str, float] | None:
-        if self.deviation is None or not self.reference_diagonal:
-            return None
-        return {
-            "to_reference": self.deviation.max_ab,
-            "from_reference": self.deviation.max_ba,
-            "max": self.deviation.max,
-            "fraction_of_diagonal": self.deviation.max / self.reference_diagonal,
-            "sampling_error": max(self.deviation.error_ab, self.deviation.error_ba),
-        }
 
     def headline(self) -> str:
         """One line: what the mesh is and how far up the tiers it gets."""
@@ -161,7 +154,6 @@ class Report:
     def rows_summary(self) -> list[tuple[str, str]]:
         """The same few lines for every mesh, to set two of them side by side."""
         ranges = {name: (low, high) for name, low, high in self.rows_ranges()}
-        deviation = self._deviation_dict()
         return [
             ("points", str(self.points)),
             ("tets", str(self.tets)),
@@ -169,8 +161,17 @@ class Report:
             ("tier", self.tiers.name),
             *((f"{name}, {end}", row[k]) for name, row in ranges.items() for k, end in enumerate(("min", "max"))),
             ("volume", f"{self.volume:.6g}"),
-            ("deviation / diagonal", f"{deviation['fraction_of_diagonal']:.2e}" if deviation else "-"),
+            ("deviation / diagonal", f"{self.deviation['fraction_of_diagonal']:.2e}" if self.deviation else "-"),
         ]
+
+    def left(self, most: int = 10) -> tuple[str, tuple[str, ...], list[tuple[str, ...]]] | None:
+        """Title, column names and up to ``most`` rows about the tets that miss the goal; None where none does."""
+        if not self.remaining or not self.remaining["count"]:
+            return None
+        listed = remaining.rows(self.remaining, most)
+        rest = self.remaining["count"] - len(listed)
+        title = remaining.title(self.remaining) + (f"; the worst {len(listed)} of them" if rest else "")
+        return title, remaining.HEAD, listed
 
     def text_histograms(self) -> list[tuple[str, list[str]]]:
         """Title and lines of each histogram, for a terminal."""
@@ -180,9 +181,10 @@ class Report:
         ]
 
 
-def make_report(mesh: TetMesh, worst: int = 10) -> Report:
+def make_report(mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None = None) -> Report:
     """Measure a mesh: sizes, ranges, flags, tiers, histograms, its ``worst`` tets, deviation from its reference.
 
+    ``found``: metrics of the filter that made it; its deviation, remaining tets and shape are not measured again.
     Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
     """
     measured = quality.measure(mesh)
@@ -203,7 +205,7 @@ def make_report(mesh: TetMesh, worst: int = 10) -> Report:
     all_tets, *bad = (
         np.bincount(places[mask], minlength=len(PLACES)) for mask in (slice(None), ~flags["3wc"], ~flags["cwc"])
     )
-    reference = mesh.reference
+    found = found or {}
     return Report(
         source=mesh.source,
         points=len(mesh.points),
@@ -223,9 +225,25 @@ def make_report(mesh: TetMesh, worst: int = 10) -> Report:
         },
         worst=_worst(mesh, measured, places, worst),
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},
-        deviation=None if reference is None else deviation(mesh.boundary_surface(), reference),
-        reference_diagonal=None if reference is None else reference.diagonal,
+        deviation=found.get("deviation") or _deviation(mesh),
+        remaining=found.get("remaining"),
+        shape=found.get("shape"),
+        notes=_notes(found),
     )
+
+
+def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
+    lines = (
+        shape_floor.describe(found["shape"]) if "shape" in found else "",
+        fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
+    )
+    return tuple(filter(None, lines))
+
+
+def _deviation(mesh: TetMesh) -> dict[str, float] | None:
+    if mesh.reference is None or not mesh.reference.diagonal:
+        return None
+    return deviation(mesh.boundary_surface(), mesh.reference).to_dict(mesh.reference.diagonal)
 
 
 def text_histogram(edges: NDArray[np.float64], counts: NDArray[np.int64], unit: str = "", width: int = 40) -> list[str]:

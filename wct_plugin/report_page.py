@@ -59,6 +59,10 @@ def html(reports: Sequence[Report], title: str) -> str:
         ),
     ]
     for name, report in zip(names, reports, strict=True):
+        if left := report.left(most=100):
+            title_left, head, rows = left
+            body.append(f"<h2>What is left, {escape(name)}</h2><p>{escape(title_left)}</p>{_table([head], rows)}")
+        body += [f"<p>{escape(note)}</p>" for note in report.notes]
         if report.worst:
             body.append(f"<h2>Worst tets, {escape(name)}</h2>{_table([report.worst_head()], report.rows_worst())}")
     return (

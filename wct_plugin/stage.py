@@ -6,6 +6,7 @@ come from that one declaration. Filters register under the entry-point group ``w
 """
 
 import difflib
+import reprlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -103,7 +104,9 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise OptionError(f"{owner}: unknown option {option!r}{hint} (allowed: {', '.join(known) or 'none'})")
     message = fault["msg"].removeprefix("Value error, ")
-    raise OptionError(f"{owner}: option {option!r} is {fault['input']!r}; {message[:1].lower()}{message[1:]}")
+    given = fault["input"]
+    shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
+    raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")
 
 
 def _entries() -> dict[str, EntryPoint]:

@@ -47,7 +47,7 @@ def strata(mesh: TetMesh, crease_angle: float = 40.0) -> Strata:
     more than 45 degrees, where the tags of tagged edges change, a tagged vertex (``mesh.nodes``), or a vertex where
     sheets of the surface touch that share no edge.
     """
-    return _strata(mesh.points, *_surface(mesh), *_user_edges(mesh), mesh.nodes.vertices.ravel(), crease_angle)
+    return _strata(mesh.points, *labelled_surface(mesh), *_user_edges(mesh), mesh.nodes.vertices.ravel(), crease_angle)
 
 
 def surface_strata(surface: SurfaceMesh, crease_angle: float = 40.0) -> Strata:
@@ -117,14 +117,18 @@ def place(mesh: TetMesh, of: Strata) -> NDArray[np.int8]:
     return places
 
 
-def enclosed_volume(points: Floats, triangles: Ints) -> float:
-    """Volume inside a closed surface of outward triangles (k, 3) on ``points`` (n, 3); negative if they run inward."""
-    corners = points[triangles] - points[triangles].mean(axis=(0, 1))  # near the origin nothing cancels
-    return float(np.einsum("ij,ij->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
+def bends(points: Floats, triangles: Ints, label: Ints) -> tuple[Ints, Floats, Bools]:
+    """Edges (e, 2) between two triangles, how much the surface bends there in degrees, and if both labels are equal."""
+    edges, owners, starts, sizes, forward = _surface_edges(triangles, len(points))
+    paired = sizes == 2
+    first, second = owners[starts[paired]], owners[starts[paired] + 1]
+    same_way = forward[starts[paired]] == forward[starts[paired] + 1]
+    bend = np.degrees(_bend(points, triangles, first, second, same_way))
+    return edges[paired], bend, label[first] == label[second]
 
 
-def _surface(mesh: TetMesh) -> tuple[Ints, Ints]:
-    """All surface triangles, and a label that is equal where regions, facet tags and facet sets are equal."""
+def labelled_surface(mesh: TetMesh) -> tuple[Ints, Ints]:
+    """All triangles of :class:`Strata`, and a label that is equal where regions, facet tags and facet sets are."""
     topology, count = mesh.topology, len(mesh.points)
     boundary, interfaces = topology.boundary, topology.interfaces
     tagged = np.unique(np.sort(mesh.facets.vertices, axis=1), axis=0)
@@ -140,6 +144,12 @@ def _surface(mesh: TetMesh) -> tuple[Ints, Ints]:
     ]
     groups = _groups(triangles, mesh.facets, count)
     return triangles, _distinct(np.column_stack([np.concatenate(sides), groups]))
+
+
+def enclosed_volume(points: Floats, triangles: Ints) -> float:
+    """Volume inside a closed surface of outward triangles (k, 3) on ``points`` (n, 3); negative if they run inward."""
+    corners = points[triangles] - points[triangles].mean(axis=(0, 1))  # near the origin nothing cancels
+    return float(np.einsum("ij,ij->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
 
 
 def _inside(mesh: TetMesh, tagged: Ints) -> tuple[Ints, Ints]:

@@ -1,5 +1,6 @@
 """All tets become well-centered and the domain stays what it was; the counts come from quality.py."""
 
+import json
 from dataclasses import replace
 
 import meshio
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
 
-from wct_plugin import apply_filter, quality
+from wct_plugin import _core, apply_filter, quality
 from wct_plugin.deviation import deviation
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
@@ -127,6 +128,26 @@ def test_tags_and_data_are_carried():
     assert dict(better.names) == {"in": (1, 2)}
 
 
+def test_tags_survive_on_a_finer_reference():
+    mesh, surface = cylinder(24, 8), cylinder(96, 24).boundary_surface()
+    triangles = mesh.topology.boundary
+    height = mesh.points[triangles].mean(axis=1)[:, 2]
+    mesh = replace(mesh, facets=Cells(triangles, np.select([height < 1e-9, height > 2 - 1e-9], [1, 2], 3)))
+    better, _ = run(mesh, reference=surface, tolerance=1e-2, goal="3wc")
+    check_domain(mesh, better)
+    for tag, wanted in ((1, np.pi), (2, np.pi), (3, 4.0 * np.pi)):
+        found = better.facets.vertices[better.facets.tags == tag]
+        assert area(better.points, found) == pytest.approx(wanted, rel=0.02)
+    assert len(better.facets) == len(better.topology.boundary)
+    assert deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
+
+
+def test_a_reference_that_cannot_be_followed_is_said():
+    mesh = two_region_cube(2)
+    with pytest.warns(WctWarning, match="not on the reference: the mesh has several regions"):
+        run(mesh, reference=mesh.boundary_surface(), progress=lambda state: False)
+
+
 def test_the_same_bits_twice():
     first, second = (run(ball(4), reference=SPHERE, tolerance=1e-2, seed=3)[0] for _ in range(2))
     assert np.array_equal(first.points, second.points)
@@ -174,6 +195,143 @@ def test_the_reference_may_be_a_file(tmp_path):
 def test_bad_options_are_refused(options, message):
     with pytest.raises(OptionError, match=message):
         run(kuhn_cube(2), **options)
+
+
+# --- edge length ----------------------------------------------------------------------------------------------------
+
+
+def mean_edge(mesh, where=lambda x: x == x):
+    ends = mesh.points[mesh.topology.edges]
+    chosen = where(ends.mean(axis=1)[:, 0])
+    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)[chosen].mean()
+
+
+def test_edges_become_as_long_as_asked():
+    mesh = kuhn_cube(4)
+    coarse, fine = (run(mesh, goal="3wc", edge_length=length)[0] for length in (0.3, 0.15))
+    assert mean_edge(coarse) == pytest.approx(0.3, rel=0.15)
+    assert mean_edge(fine) == pytest.approx(0.15, rel=0.15)
+    check_domain(mesh, fine)
+
+
+def test_edge_length_by_point_as_array_or_as_point_data():
+    mesh = kuhn_cube(4)
+    lengths = np.where(mesh.points[:, 0] < 0.5, 0.1, 0.3)
+    better, _ = run(mesh, goal="3wc", edge_length=lengths)
+    assert mean_edge(better, lambda x: x < 0.25) == pytest.approx(0.1, rel=0.2)
+    assert mean_edge(better, lambda x: x > 0.75) > 0.18
+    named, _ = run(replace(mesh, point_data={"h": lengths}), goal="3wc", edge_length="h")
+    assert np.array_equal(named.points, better.points)
+
+
+def test_a_kept_boundary_is_given_the_edge_length_too(monkeypatch):
+    mesh = kuhn_cube(2)
+    searched = []
+
+    def search(**given):
+        searched.append(given["size"])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_core, "search_well_centered", search)
+    lengths = np.linspace(0.1, 0.2, len(mesh.points))
+    for boundary in ("keep", "fixed"):
+        with pytest.raises(KeyboardInterrupt):
+            run(mesh, boundary=boundary, edge_length=lengths)
+    assert all(np.array_equal(size, lengths) for size in searched)
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (-1.0, "option 'edge_length' is -1.0; input should be greater than 0 and finite"),
+        ("nan", "option 'edge_length' is 'nan'; input should be greater than 0 and finite"),
+        ([0.1, 0.2, -3], r"option 'edge_length' is \[0.1, 0.2, -3\]; holds -3 at index 2; all must be positive"),
+        (np.append(np.ones(5000), np.inf), "holds inf at index 5000; all must be positive and finite"),
+        (np.ones(5), r"option 'edge_length' has shape \(5,\); the mesh needs \(27,\), one per point"),
+        ([[0.1]], "must be a number, an array of one per point, or the name of point data"),
+        (True, "must be a number, an array of one per point, or the name of point data"),
+        ("height", "is 'height'; it must be a number or one of the mesh's point data: 'h', 'v', 's'$"),
+        ("h", "point data 'h' holds 0 at index 4; all must be positive and finite"),
+        ("v", r"point data 'v' has shape \(27, 3\); the mesh needs \(27,\), one per point"),
+        ("s", "point data 's' has type <U1; numbers are needed"),
+    ],
+)
+def test_edge_lengths_of_no_use_are_refused(value, message):
+    mesh = kuhn_cube(2)
+    data = {"h": np.arange(27.0)[::-1] - 22.0, "v": mesh.points, "s": np.full(27, "x")}
+    data["h"][:4] = 1.0
+    with pytest.raises(OptionError, match=message) as caught:
+        run(replace(mesh, point_data=data), edge_length=value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 250
+
+
+# --- progress, stopping and what is said afterwards ------------------------------------------------------------------
+
+
+def test_progress_names_every_phase_and_counts_the_bad_tets():
+    mesh = ball(8)
+    heard = []
+    better, _ = run(mesh, reference=SPHERE, tolerance=5e-3, goal="3wc", progress=heard.append)
+    stages = [state.stage.partition(",")[0] for state in heard]
+    assert sorted(set(stages), key=stages.index)[:2] == ["resampling", "local search: passes"]
+    assert stages[-1] == "measuring"
+    assert all(0.0 <= state.done <= 1.0 for state in heard)
+    assert heard[0].bad == (~quality.measure(mesh).well_centered_3).sum()
+    assert heard[-1].bad == (~quality.measure(better).well_centered_3).sum() == 0
+    for stage in set(stages):
+        done = [state.done for state, name in zip(heard, stages, strict=True) if name == stage]
+        assert done == sorted(done)
+
+
+def test_stopped_while_resampling_the_input_is_the_best_so_far():
+    mesh = ball(4)
+    better, metrics = run(mesh, reference=SPHERE, tolerance=1e-2, progress=lambda state: False)
+    assert metrics["stopped"]
+    assert np.array_equal(better.points, mesh.points)
+    assert np.array_equal(better.tets, mesh.tets)
+    assert better.reference is SPHERE
+    assert metrics["bad"] == (~quality.measure(mesh).completely_well_centered).sum()
+    assert {tet["option"].partition(",")[0] for tet in metrics["remaining"]["tets"]} == {"more time: it was stopped"}
+
+
+def test_the_output_is_never_worse_than_the_input(monkeypatch):
+    """A search that gives back a mesh of fewer good tets is not taken."""
+    mesh, search = jittered_cube(3, 0), _core.search_well_centered
+    bad = kuhn_cube(3)  # not one of its tets contains its circumcenter beyond doubt
+
+    def worse(**given):
+        found = search(**given | {"passes": 0, "kicks": 0})
+        regions = np.zeros(len(bad.tets), dtype=np.int64)
+        return found | {"points": bad.points, "tets": bad.tets, "regions": regions, "facets": bad.topology.boundary[:0]}
+
+    monkeypatch.setattr(_core, "search_well_centered", worse)
+    with pytest.warns(WctWarning, match="nothing better was found"):
+        same, metrics = run(mesh, goal="3wc")
+    assert np.array_equal(same.points, mesh.points)
+    assert np.array_equal(same.tets, mesh.tets)
+    assert metrics["bad"] == (~quality.measure(mesh).well_centered_3).sum()
+
+
+def test_what_is_left_and_how_well_the_domain_is_kept():
+    mesh = two_region_cube(4)
+    better, metrics = run(mesh, boundary="fixed", progress=stop_after(4))
+    left = metrics["remaining"]
+    assert left["count"] == metrics["bad"] == (~quality.measure(better).completely_well_centered).sum()
+    assert 0 < left["proven"] <= left["by_place"]["patch"] + left["by_place"]["crease"] + left["by_place"]["corner"]
+    assert metrics["deviation"]["max"] < 1e-12
+    assert metrics["interfaces"]["1|2"]["max"] < 1e-12
+    assert metrics["volumes"]["1"]["after"] == pytest.approx(0.5)
+    assert metrics["shape"]["min_dihedral_angle"] == quality.measure(better).min_dihedral_angle.min()
+    json.dumps(metrics)
+
+
+def test_a_surface_that_is_not_kept_is_named():
+    far = SurfaceMesh(SPHERE.points * 1.1, SPHERE.triangles)
+    with pytest.warns(
+        WctWarning, match=r"^the boundary is \S+ of the diagonal from the reference; the tolerance is 1.00e-03"
+    ):
+        run(jittered_cube(3, 0), reference=far, tolerance=1e-3, boundary="fixed", progress=lambda state: False)
 
 
 def test_an_exception_in_progress_comes_through():

@@ -1,0 +1,143 @@
+"""The tets that miss the goal: where each sits, what it misses, and which option would free it."""
+
+from collections import Counter
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin import fixed_facets
+from wct_plugin.mesh import TetMesh
+from wct_plugin.quality import Quality
+from wct_plugin.surface import Strata, bends
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Class of a tet, by the highest stratum among its vertices.
+CLASSES = ("interior", "patch", "crease", "corner")
+#: A patch that bends by less than this at a vertex, in degrees, is flat there.
+_FLAT = 0.1
+#: A crease is slight if it bends by at most this much more than the angle that makes it one, in degrees.
+_SLIGHT = 10.0
+
+
+class RemainingTet(TypedDict):
+    """One tet that misses the goal."""
+
+    tet: int
+    place: str  #: one of :data:`CLASSES`
+    misses: str  #: "3WC", "2WC" or "3WC, 2WC"
+    min_height: float  #: smallest h/R
+    max_face_angle: float  #: in degrees
+    centroid: list[float]
+    option: str  #: what would free it
+    proof: str  #: why no tet in its place can meet the goal under the options given; "" where that is open
+
+
+class Remaining(TypedDict):
+    """All tets that miss the goal, worst first, and their number by class."""
+
+    count: int
+    by_place: dict[str, int]
+    proven: int  #: those with a proof that the options given rule the goal out
+    tets: list[RemainingTet]
+
+
+def remaining(
+    mesh: TetMesh, of: Strata, measured: Quality, *, goal: str, boundary: str, crease_angle: float, stopped: bool
+) -> Remaining:
+    """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine."""
+    acute = goal == "cwc"
+    bad = np.flatnonzero(~(measured.completely_well_centered if acute else measured.well_centered_3))
+    clearance = measured.min_height[bad]
+    if acute:
+        clearance = np.minimum(clearance, np.cos(np.radians(measured.max_face_angle[bad])))
+    bad = bad[np.argsort(np.nan_to_num(clearance, nan=-np.inf), kind="stable")]
+    place = of.stratum[mesh.tets[bad]].max(axis=1, initial=0)
+    proofs = [""] * len(bad)
+    if boundary == "fixed" and len(bad):
+        proofs = fixed_facets.verdicts(mesh, bad, of, acute=acute)
+    advice = _Advice(mesh, of, boundary, crease_angle)
+    tets: list[RemainingTet] = []
+    for tet, stratum, proof in zip(bad.tolist(), place.tolist(), proofs, strict=True):
+        holds_3, holds_2 = bool(measured.well_centered_3[tet]), bool(measured.well_centered_2[tet])
+        option = "more time: it was stopped" if stopped and not proof else advice.option(tet, stratum)
+        tets.append(
+            {
+                "tet": tet,
+                "place": CLASSES[stratum],
+                "misses": ", ".join(name for name, held in (("3WC", holds_3), ("2WC", holds_2)) if not held),
+                "min_height": float(measured.min_height[tet]),
+                "max_face_angle": float(measured.max_face_angle[tet]),
+                "centroid": mesh.points[mesh.tets[tet]].mean(axis=0).tolist(),
+                "option": option + (", or goal=3wc" if holds_3 else ""),
+                "proof": proof,
+            }
+        )
+    counts = Counter(tet["place"] for tet in tets)
+    return {
+        "count": len(tets),
+        "by_place": {name: counts[name] for name in CLASSES},
+        "proven": sum(bool(tet["proof"]) for tet in tets),
+        "tets": tets,
+    }
+
+
+class _Advice:
+    """Which option takes away what holds a tet, from its class and the shape of the surface at its vertices."""
+
+    def __init__(self, mesh: TetMesh, of: Strata, boundary: str, crease_angle: float) -> None:
+        self._mesh, self._of, self._boundary, self._crease_angle = mesh, of, boundary, crease_angle
+        edges, bend, smooth = bends(mesh.points, of.triangles, of.patch)
+        count = len(mesh.points)
+        self._patch_bend = np.zeros(count)
+        np.maximum.at(self._patch_bend, edges[smooth].ravel(), np.repeat(bend[smooth], 2))
+        # Creases that their angle does not make (tags, regions, more than two sheets) no angle takes away.
+        of_edge = dict(zip((edges @ [count, 1]).tolist(), bend.tolist(), strict=True))
+        bend_of = np.array([of_edge.get(key, np.inf) for key in (of.segments @ [count, 1]).tolist()])
+        bend_of[bend_of <= crease_angle] = np.inf
+        self._crease_bend = np.zeros(count)
+        np.maximum.at(self._crease_bend, of.segments.ravel(), np.repeat(bend_of, 2))
+
+    def option(self, tet: int, stratum: int) -> str:
+        if stratum == 0:
+            return "a larger effort"
+        if self._boundary != "move":
+            return "boundary=move" if self._boundary == "keep" else "boundary=keep or move"
+        vertices = self._mesh.tets[tet]
+        on_crease = vertices[self._of.stratum[vertices] >= 2]
+        if len(on_crease):
+            bend = float(self._crease_bend[on_crease].max())
+            if self._crease_angle < bend <= self._crease_angle + _SLIGHT:
+                return f"a crease_angle above {bend:.1f}°: the crease bends no more"
+        curved = bool((self._patch_bend[vertices] > _FLAT).any())
+        if stratum == 1 and not curved:
+            return "a larger effort"
+        return "a larger tolerance, or a smaller edge_length" if curved else "a smaller edge_length"
+
+
+def title(found: Remaining) -> str:
+    """What is left in one line."""
+    places = ", ".join(f"{count} {place}" for place, count in found["by_place"].items() if count)
+    proven = f"; {found['proven']} provably cannot meet it under the options given" if found["proven"] else ""
+    return f"{found['count']} tets miss the goal: {places}{proven}"
+
+
+HEAD = ("tet", "class", "misses", "min h/R", "max face angle", "centroid", "what would free it")
+
+
+def rows(found: Remaining, most: int) -> list[tuple[str, ...]]:
+    """Up to ``most`` tets, worst first, in the columns of :data:`HEAD`."""
+    return [
+        (
+            str(tet["tet"]),
+            tet["place"],
+            tet["misses"],
+            f"{tet['min_height']:.3f}",
+            f"{tet['max_face_angle']:.2f}°",
+            "(" + ", ".join(f"{x:.4g}" for x in tet["centroid"]) + ")",
+            "; ".join(filter(None, (tet["option"], tet["proof"]))),
+        )
+        for tet in found["tets"][:most]
+    ]
