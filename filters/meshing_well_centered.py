@@ -30,10 +30,6 @@ if TYPE_CHECKING:  # the stubs' names are not in the module
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Facets are held to this share of the tolerance at sample points, so that they keep it between them; vertices may sit
-#: farther out, or the chords between them would take volume away.
-_HELD = 0.86
-_SHELL = 0.97
 #: Sweeps and tries at effort 1.
 _PASSES = 12
 _KICKS = 4000
@@ -184,8 +180,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             surface_patch=reference.strata.patch,
             surface_segments=reference.strata.segments,
             surface_curve=reference.strata.curve,
-            tolerance=_HELD * tolerance,
-            shell=_SHELL * tolerance,
+            tolerance=tolerance,
             acute=options.goal == "cwc",
             margin=options.margin,
             flip_surface=options.boundary != "fixed",

@@ -216,7 +216,6 @@ def search_well_centered(
     surface_curve: NDArray[np.int64],
     *,
     tolerance: float,
-    shell: float,
     acute: bool,
     margin: float,
     flip_surface: bool,
@@ -234,7 +233,7 @@ def search_well_centered(
     stay near: ``surface_points`` (p, 3), ``surface_triangles`` (t, 3), ``surface_patch`` (t,), ``surface_segments``
     (s, 2), ``surface_curve`` (s,); patches and curves count from 0 without gaps.
 
-    On curved patches vertices stay within ``shell`` of the surface and facets within ``tolerance``, both lengths;
+    Facets and surface stay within ``tolerance``, a length, of each other, or come nearer where they were farther apart;
     planar patches and straight creases are kept exactly. ``flip_surface`` and ``split_surface`` say whether surface
     facets may be flipped, and crease edges and surface edges split or collapsed. At most ``passes`` sweeps and
     ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from builders import ball, jittered_cube
+from builders import ball, jittered_cube, sphere_surface
 
 from wct_plugin import _core, quality
+from wct_plugin.deviation import deviation
+from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.reference import own_boundary
 from wct_plugin.surface import enclosed_volume
 from wct_plugin.topology import Topology
@@ -36,7 +38,6 @@ def arguments(mesh, *, pinned=False):
 def search(mesh, *, pinned=False, change=None, **options):
     settings = {
         "tolerance": 0.05,
-        "shell": 0.05,
         "acute": True,
         "margin": 0.02,
         "flip_surface": True,
@@ -91,6 +92,54 @@ def test_flat_faces_keep_the_volume_and_the_box():
     triangles = Topology(found["tets"], found["regions"], len(found["points"])).boundary
     assert enclosed_volume(found["points"], triangles) == pytest.approx(1.0, abs=1e-12)
     assert np.abs(np.clip(found["points"], 0, 1) - found["points"]).max() <= 1e-12
+
+
+def near_sphere(mesh, count=2000):
+    """Change the surface to stay near to a fine sphere."""
+    sphere = sphere_surface(count)
+    return sphere, {
+        "label": np.zeros(len(mesh.points), dtype=np.int64),
+        "surface_points": sphere.points,
+        "surface_triangles": sphere.triangles,
+        "surface_patch": np.zeros(len(sphere.triangles), dtype=np.int64),
+        "surface_segments": np.zeros((0, 2), dtype=np.int64),
+        "surface_curve": np.zeros(0, dtype=np.int64),
+    }
+
+
+def apart(found, surface):
+    used, place = np.unique(found["facets"], return_inverse=True)
+    return deviation(SurfaceMesh(found["points"][used], place.reshape(-1, 3)), surface, 0.01)
+
+
+@pytest.mark.parametrize("tolerance", [0.03, 0.1])
+def test_coarse_facets_stay_within_the_tolerance_both_ways(tolerance):
+    mesh = ball(3)  # its own facets bend by 20 degrees at their edges: chords would cut these off
+    found = search(mesh, tolerance=tolerance, kicks=50)
+    check_valid(found)
+    assert len(rows(found["facets"]) ^ rows(mesh.topology.boundary)) > 10
+    between = apart(found, mesh.boundary_surface())
+    assert max(between.max_ab, between.max_ba) <= tolerance
+
+
+def test_facets_too_far_away_come_nearer():
+    mesh = ball(3)
+    sphere, change = near_sphere(mesh)
+    before = deviation(mesh.boundary_surface(), sphere, 0.01).max
+    tolerance = 0.7 * before
+    found = search(mesh, change=change, tolerance=tolerance, passes=6, kicks=100)
+    check_valid(found)
+    assert before > tolerance
+    assert apart(found, sphere).max <= tolerance
+
+
+def test_facets_end_as_much_before_the_surface_as_behind_it():
+    mesh = ball(3)
+    sphere, change = near_sphere(mesh)
+    full = enclosed_volume(sphere.points, sphere.triangles)
+    found = search(mesh, change=change, tolerance=0.06)
+    assert quality.volumes(mesh.points, mesh.tets).sum() < 0.95 * full
+    assert quality.volumes(found["points"], found["tets"]).sum() == pytest.approx(full, rel=5e-3)
 
 
 def test_the_same_bits_twice():
@@ -176,7 +225,7 @@ def test_a_missing_boundary_facet_and_inverted_tets_are_refused():
         search(mesh, change={"tets": mesh.tets[:, [0, 1, 3, 2]].copy()})
 
 
-@pytest.mark.parametrize("option", [{"tolerance": 0.0}, {"shell": -1.0}, {"margin": 0.4}, {"passes": -1}])
+@pytest.mark.parametrize("option", [{"tolerance": 0.0}, {"margin": 0.4}, {"passes": -1}])
 def test_bad_options_are_refused(option):
     with pytest.raises(ValueError, match=next(iter(option))):
         search(jittered_cube(3, 6), **option)

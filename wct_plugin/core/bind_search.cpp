@@ -71,6 +71,17 @@ void expect_conforming(const std::vector<Vec3> &points, const std::vector<Tet> &
             refuse("creases: " + text(crease) + " is no edge of a tet");
 }
 
+/// Of the surface's points: how far apart its vertices will be.
+double mean_size(const std::vector<double> &size, const std::vector<Stratum> &stratum) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t v = 0; v < size.size(); ++v)
+        if (stratum[v] != Stratum::interior) {
+            sum += size[v];
+            count += 1.0;
+        }
+    return count > 0.0 ? sum / count : 1.0;
+}
+
 nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome) {
     std::vector<int> place(complex.vertex_slots(), -1);
     std::vector<double> out_points;
@@ -133,7 +144,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &label, const Array &size, const Array &facets, const Array &facet_patch,
                               const Array &creases, const Array &crease_curve, const Array &surface_points,
                               const Array &surface_triangles, const Array &surface_patch, const Array &surface_segments,
-                              const Array &surface_curve, double tolerance, double shell, bool acute, double margin,
+                              const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
                               const nb::object &progress) {
     const auto on = points_of(surface_points, "surface_points");
@@ -163,9 +174,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                    std::to_string(count) + (role[v] == Stratum::patch ? " patches" : " curves"));
     }
     expect_conforming(at, cells, sheet, edges);
-    if (!(tolerance > 0.0) || !(shell > 0.0))
-        refuse("tolerance is " + std::to_string(tolerance) + " and shell is " + std::to_string(shell) +
-               "; both must be positive");
+    if (!(tolerance > 0.0))
+        refuse("tolerance is " + std::to_string(tolerance) + "; it must be positive");
     if (!(margin >= 0.0 && margin < 1.0 / 3.0))
         refuse("margin is " + std::to_string(margin) + "; it must lie in 0..1/3, the value of the regular tet");
     if (passes < 0 || kicks < 0)
@@ -173,7 +183,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                "; neither may be negative");
 
     TetComplex complex;
-    const SurfaceGuide guide(on, triangles, patch, segments, curve, tolerance, shell);
+    const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.25 * mean_size(wanted, role));
     for (std::size_t v = 0; v < at.size(); ++v) {
         const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
         complex.add_vertex({at[v], role[v], slides ? static_cast<int>(owner[v]) : -1, wanted[v]});
@@ -210,9 +220,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("stratum"), nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"),
           nb::arg("creases"), nb::arg("crease_curve"), nb::arg("surface_points"), nb::arg("surface_triangles"),
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
-          nb::arg("tolerance"), nb::arg("shell"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"),
-          nb::arg("split_surface"), nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"),
-          nb::arg("progress") = nb::none());
+          nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
+          nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none());
 }
 
 } // namespace wct

@@ -30,7 +30,7 @@ bool Operators::collapse_links(int a, int b, const Ring &ring) const {
     std::vector<int> patches;
     const auto surface_neighbours = [&](int v) {
         std::vector<int> out;
-        surface_at(v, facets, patches);
+        complex_.surface_at(v, facets, patches);
         for (const Facet &facet : facets)
             for (int w : facet)
                 if (w != a && w != b)
@@ -64,7 +64,7 @@ bool Operators::collapse(int a, int b, double slack) {
             std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
         if (!along || !collapse_links(a, b, ring_))
             return false;
-        surface_at(a, facets, patches);
+        complex_.surface_at(a, facets, patches);
     }
     const std::vector<int> old = complex_.star(a);
     double before = 0.0;
@@ -89,8 +89,10 @@ bool Operators::collapse(int a, int b, double slack) {
         return false;
     if (!candidates_below(before + slack))
         return false;
+    watch_.clear();
     for (std::size_t k = 0; k < facets.size(); ++k) {
         Facet facet = facets[k];
+        watch_.goes(facet, patches[k]);
         if (facet[0] == b || facet[1] == b || facet[2] == b)
             continue;
         const Vec3 was = cross(complex_.point(facet[1]) - complex_.point(facet[0]),
@@ -98,9 +100,12 @@ bool Operators::collapse(int a, int b, double slack) {
         std::replace(facet.begin(), facet.end(), a, b);
         const Vec3 &p = complex_.point(facet[0]), &q = complex_.point(facet[1]), &r = complex_.point(facet[2]);
         const Vec3 is = cross(q - p, r - p);
-        if (dot(was, is) < 0.8 * norm(was) * norm(is) || !guide_.allows(patches[k], p, q, r))
+        if (dot(was, is) < 0.8 * norm(was) * norm(is))
             return false;
+        watch_.comes(sorted(facet[0], facet[1], facet[2]), patches[k]);
     }
+    if (!watch_.allows_replacing())
+        return false;
     Edge joined{-1, -1};
     if (gone.stratum == Stratum::crease) { // its two crease edges a-b and a-w become b-w
         for (int t : old)
@@ -112,18 +117,12 @@ bool Operators::collapse(int a, int b, double slack) {
             return false;
     }
     const int curve = gone.label;
+    if (watch_.replace())
+        energy_.of(complex_, candidates_, energies_.data());
     for (int t : old)
         complex_.remove_tet(t);
     for (std::size_t k = 0; k < candidates_.size(); ++k)
         complex_.add_tet(candidates_[k], regions_[k], energies_[k]);
-    for (std::size_t k = 0; k < facets.size(); ++k) {
-        Facet facet = facets[k];
-        complex_.remove_facet(facet);
-        if (facet[0] == b || facet[1] == b || facet[2] == b)
-            continue;
-        std::replace(facet.begin(), facet.end(), a, b);
-        complex_.add_facet(sorted(facet[0], facet[1], facet[2]), patches[k]);
-    }
     if (joined[0] >= 0) {
         complex_.remove_crease(sorted(a, b));
         complex_.remove_crease(sorted(a, joined[0] == b ? joined[1] : joined[0]));

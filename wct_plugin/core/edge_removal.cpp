@@ -75,7 +75,7 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
         touch(v);
 }
 
-bool Operators::flips_surface(int a, int b, int r, int s, int patch) const {
+bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
     for (int t : complex_.star(r))
         if (complex_.has(t, s))
             return false; // r and s are joined already: the surface would pinch
@@ -84,7 +84,12 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) const {
     const Vec3 second = cross(ps - pb, pr - pb);
     if (dot(first, second) < 0.8 * norm(first) * norm(second))
         return false;
-    return guide_.allows(patch, pa, pr, ps) && guide_.allows(patch, pb, pr, ps);
+    watch_.clear();
+    watch_.goes(sorted(a, b, r), patch);
+    watch_.goes(sorted(a, b, s), patch);
+    watch_.comes(sorted(a, r, s), patch);
+    watch_.comes(sorted(b, r, s), patch);
+    return watch_.allows_replacing();
 }
 
 bool Operators::remove_edge(int a, int b, double slack) {
@@ -143,14 +148,10 @@ bool Operators::remove_edge(int a, int b, double slack) {
     }
     if (facets == 2 && !flips_surface(a, b, r, s, patch))
         return false;
+    if (facets == 2)
+        watch_.replace();
     for (int f = 0; f < fans; ++f)
-        carry_out(fans_[f], a, b);
-    if (facets == 2) {
-        complex_.remove_facet(sorted(a, b, r));
-        complex_.remove_facet(sorted(a, b, s));
-        complex_.add_facet(sorted(a, r, s), patch);
-        complex_.add_facet(sorted(b, r, s), patch);
-    }
+        carry_out(fans_[f], a, b); // measures the energies with the new facets in place
     touch(a);
     touch(b);
     return true;

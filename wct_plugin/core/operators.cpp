@@ -77,26 +77,6 @@ bool Operators::ring(int a, int b, Ring &ring) const {
     return !ring.closed || current == start;
 }
 
-void Operators::surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const {
-    facets.clear();
-    patches.clear();
-    if (complex_.vertex(v).stratum == Stratum::interior)
-        return;
-    for (int t : complex_.star(v)) {
-        const Tet &tet = complex_.tet(t);
-        for (int i = 0; i < 4; ++i) {
-            if (tet[i] == v)
-                continue;
-            const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
-            const int patch = complex_.patch_of(key[0], key[1], key[2]);
-            if (patch >= 0 && std::find(facets.begin(), facets.end(), key) == facets.end()) {
-                facets.push_back(key);
-                patches.push_back(patch);
-            }
-        }
-    }
-}
-
 bool Operators::candidates_below(double limit) {
     energies_.resize(candidates_.size());
     energy_.of(complex_, candidates_, energies_.data());

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "search_energy.h"
-#include "surface_guide.h"
+#include "surface_watch.h"
 #include "tet_complex.h"
 
 #include <optional>
@@ -22,8 +22,8 @@ struct Ring {
 /// interfaces alike. Changes are journaled; vertices whose star changed are added to `touched`.
 class Operators {
   public:
-    Operators(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide)
-        : complex_(complex), energy_(energy), guide_(guide) {}
+    Operators(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, SurfaceWatch &watch)
+        : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
 
     /// Swap edge ab for the best triangulation of its link (Klincsek's dynamic program): 3-2, 4-4, 5-6, ...; on the
     /// surface the edge of two facets is flipped with it (2-2 there).
@@ -38,9 +38,6 @@ class Operators {
     std::optional<int> insert(int t0, const Vec3 &x, double slack);
 
     bool ring(int a, int b, Ring &ring) const;
-    /// Surface facets at v, each once, and their patches.
-    void surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const;
-
     std::vector<int> touched;
     void touch(int v);
 
@@ -61,7 +58,7 @@ class Operators {
     };
     bool plan(Fan &fan, int a, int b);
     void carry_out(const Fan &fan, int a, int b);
-    bool flips_surface(int a, int b, int r, int s, int patch) const;
+    bool flips_surface(int a, int b, int r, int s, int patch);
     /// Measures the candidates; whether they can be and cost less than `limit` together.
     bool candidates_below(double limit);
     bool collapse_links(int a, int b, const Ring &ring) const;
@@ -69,6 +66,7 @@ class Operators {
     TetComplex &complex_;
     const SearchEnergy &energy_;
     const SurfaceGuide &guide_;
+    SurfaceWatch &watch_;
     Fan fans_[2];
     Ring ring_;
     std::vector<Tet> candidates_;

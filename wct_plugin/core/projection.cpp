@@ -1,5 +1,7 @@
 #include "projection.h"
 
+#include "near_along.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,9 +15,7 @@ namespace {
 
 // Shares of the tolerance: what edges stay within all along, less than the whole because distance is a little larger
 // the other way; and what the places that are looked at stay within, so that what is between them keeps to the former.
-constexpr double kWithin = 0.95;
-constexpr double kAt = 0.87;
-constexpr int kTurns = 64; // an edge near more pieces than this, one after the other, is refused
+constexpr NearAlong kShares = {0.87, 0.95};
 
 double square(double x) {
     return x * x;
@@ -68,9 +68,8 @@ template <class... Functions> struct Overload : Functions... {
 } // namespace
 
 Domain::Domain(const Problem &problem, double tolerance)
-    : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0), within_(square(kWithin * tolerance)),
-      limit_(square(kAt * tolerance)), hardly_(0.5 * (kAt + kWithin) * tolerance),
-      offsets_(problem.points.size() + 1, 0) {
+    : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0), tolerance_(tolerance),
+      limit_(square(kShares.at * tolerance)), offsets_(problem.points.size() + 1, 0) {
     auto triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
     auto segments = by_label(problem.points, problem.segments, problem.segment_curve);
     std::map<std::int64_t, std::int32_t> patches;
@@ -171,42 +170,6 @@ void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> 
                 stars_[next[static_cast<std::size_t>(corner)]++] = static_cast<std::int32_t>(i);
 }
 
-/// Is all between a, near which the piece last[1] is, and b within the tolerance of the tree?
-///
-/// Distance to one piece is convex: where it is small at both ends, so it is between them. So this goes on along each
-/// piece to where it is hardly near any more, found by Newton's method from the far side, and there to another that is
-/// nearer.
-template <class Tree>
-bool Domain::all_near(const Tree &tree, Vec3 a, const Vec3 &b, std::array<std::int32_t, 4> &last) const {
-    std::int32_t piece = last[1];
-    for (int turn = 0; turn < kTurns; ++turn) {
-        const Vec3 along = b - a;
-        Vec3 x = b;
-        Vec3 gap = tree.gap(piece, x);
-        if (dot(gap, gap) <= within_)
-            return true;
-        double t = 1.0;
-        for (int step = 0; !(dot(gap, gap) <= within_); ++step) {
-            const double distance = norm(gap);
-            const double slope = dot(gap, along) / distance;
-            if (!(slope > 0.0) || step == kTurns)
-                return false;
-            t -= (distance - hardly_) / slope;
-            x = a + t * along;
-            gap = tree.gap(piece, x);
-        }
-        if (!(t > 0.0 && t < 1.0))
-            return false;
-        a = x;
-        std::int32_t &guess = last[turn == 0 ? 2 : 3];
-        piece = tree.within(a, limit_, guess);
-        if (piece < 0)
-            return false;
-        guess = piece;
-    }
-    return false;
-}
-
 /// Is the middle of this facet, edge or segment near its patch or curve? What is not near is mostly not near there.
 bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
     const auto corner = [&](std::size_t i) -> const Vec3 & {
@@ -237,11 +200,12 @@ bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
     const Vec3 &a = points[static_cast<std::size_t>(watched.corners[0])];
     const Vec3 &b = points[static_cast<std::size_t>(watched.corners[1])];
     if (watched.corners[2] < 0)
-        return sample_near(watched, 1, a) &&
-               std::visit(Overload{
+        return std::visit(Overload{
                               [](const Plane &) { return true; },
                               [](const Line &) { return true; },
-                              [&](const auto &tree) { return all_near(tree, a, b, watched.last); },
+                              [&](const auto &tree) {
+                                  return kShares.all_near(tree, a, b, tolerance_, watched.last[1], watched.last[2]);
+                              },
                           },
                           supports_[static_cast<std::size_t>(watched.support)]);
     const Vec3 &c = points[static_cast<std::size_t>(watched.corners[2])];

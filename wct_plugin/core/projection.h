@@ -76,8 +76,6 @@ class Domain {
     }
     void watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
                const std::map<std::int64_t, std::int32_t> &curves);
-    template <class Tree>
-    bool all_near(const Tree &tree, Vec3 a, const Vec3 &b, std::array<std::int32_t, 4> &last) const;
     bool sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const;
     bool middle_near(Watched &watched, std::span<const Vec3> points) const;
     bool rest_near(Watched &watched, std::span<const Vec3> points) const;
@@ -91,9 +89,8 @@ class Domain {
     std::vector<std::int32_t> last_;  // the piece each point was last found on: where the next search for it begins
     std::vector<Support> supports_;
 
-    double within_; // squared distance of all of an edge from its patch
-    double limit_;  // squared distance of the places that are looked at
-    double hardly_; // distance between the two
+    double tolerance_;
+    double limit_; // squared distance of the places that are looked at
     std::vector<Watched> watched_;
     std::vector<std::size_t> offsets_; // per point: what of watched_ it is a corner of
     std::vector<std::int32_t> stars_;

@@ -48,21 +48,20 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     }
     if (!candidates_below(before + slack))
         return std::nullopt;
+    watch_.clear();
     for (std::size_t k = 0; k < facet_apices.size(); ++k) {
-        const Vec3 &apex = complex_.point(facet_apices[k]);
-        if (!guide_.allows(facet_patches[k], complex_.point(a), middle.position, apex) ||
-            !guide_.allows(facet_patches[k], middle.position, complex_.point(b), apex))
-            return std::nullopt;
+        watch_.goes(sorted(a, b, facet_apices[k]), facet_patches[k]);
+        watch_.comes(sorted(a, v, facet_apices[k]), facet_patches[k]);
+        watch_.comes(sorted(v, b, facet_apices[k]), facet_patches[k]);
     }
+    if (!watch_.allows_replacing())
+        return std::nullopt;
+    if (watch_.replace())
+        energy_.of(complex_, candidates_, energies_.data());
     for (int t : ring_.tets)
         complex_.remove_tet(t);
     for (std::size_t k = 0; k < candidates_.size(); ++k)
         complex_.add_tet(candidates_[k], regions_[k / 2], energies_[k]);
-    for (std::size_t k = 0; k < facet_apices.size(); ++k) {
-        complex_.remove_facet(sorted(a, b, facet_apices[k]));
-        complex_.add_facet(sorted(a, v, facet_apices[k]), facet_patches[k]);
-        complex_.add_facet(sorted(v, b, facet_apices[k]), facet_patches[k]);
-    }
     if (curve >= 0) {
         complex_.remove_crease(sorted(a, b));
         complex_.add_crease(sorted(a, v), curve);

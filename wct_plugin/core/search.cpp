@@ -1,5 +1,7 @@
 #include "search.h"
 
+#include "surface_balance.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -42,8 +44,8 @@ SearchForm margin_form(bool acute, double margin) {
 } // namespace
 
 Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
-    : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)),
-      operators_(complex, energy_, guide), descent_(complex, energy_, guide, operators_), random_(options.seed) {
+    : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
+      operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_), random_(options.seed) {
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
 }
@@ -375,15 +377,6 @@ void Search::polish() {
     }
 }
 
-void Search::flag_off() {
-    std::vector<std::pair<Facet, int>> facets;
-    for (const auto &[key, facet] : complex_.surface())
-        facets.push_back({key, facet.patch});
-    for (const auto &[key, patch] : facets)
-        complex_.set_off(key, guide_.deviation(patch, complex_.point(key[0]), complex_.point(key[1]),
-                                               complex_.point(key[2])) > guide_.tolerance());
-}
-
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase, long kicks) {
     std::vector<int> bad;
     for (long done = 0; done < kicks;) {
@@ -421,7 +414,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         outcome_.stopped = !progress(phase, done, outcome_.bad);
         return !outcome_.stopped;
     };
-    flag_off();
+    watch_.begin();
     for (int k = 0; k < options_.passes; ++k) {
         adopt(k % 3 == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
         if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0)
@@ -436,8 +429,9 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         adopt(margin_form(options_.acute, options_.margin));
         sweep(recipes[1]);
         kick_until_good(progress, "margin", options_.kicks);
-        adopt(sharp_form(options_.acute));
     }
+    SurfaceBalance(complex_, energy_, guide_, descent_).run();
+    adopt(sharp_form(options_.acute));
     outcome_.bad = count_bad();
     outcome_.evaluations = energy_.evaluations();
     return outcome_;

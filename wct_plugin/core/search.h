@@ -68,7 +68,6 @@ class Search {
     void kick(int t, const Kick &kick);
     bool random_operator(int t, double slack);
     bool try_kick(int t, bool few);
-    void flag_off();
     bool kick_until_good(const SearchProgress &progress, const char *phase, long kicks);
     void polish();
     double clearance() const;
@@ -77,6 +76,7 @@ class Search {
     const SurfaceGuide &guide_;
     SearchOptions options_;
     SearchEnergy energy_;
+    SurfaceWatch watch_;
     Operators operators_;
     StarDescent descent_;
     Random random_;

@@ -70,7 +70,7 @@ void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, doub
             load_tet(complex, tets[begin + (lane < used ? lane : 0)], lanes, lane);
         evaluate(lanes, terms, energy, nullptr, true);
         for (int lane = 0; lane < used; ++lane)
-            energies[begin + lane] = energy[lane] + off(complex, tets[begin + lane]);
+            energies[begin + lane] = energy[lane] + over(complex, tets[begin + lane]);
     }
 }
 
@@ -80,7 +80,7 @@ double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const
     for (int lane = 0; lane < kLanes; ++lane)
         load_tet(complex, tet, lanes, lane);
     evaluate(lanes, flatness_terms(-std::numeric_limits<double>::infinity()), energy, nullptr, true);
-    return energy[0] + off(complex, tet);
+    return energy[0] + over(complex, tet);
 }
 
 void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) const {

@@ -20,8 +20,8 @@ struct SearchForm {
     /// For each tet below `hard_clearance`, where that differs: margins are not bought with tets that miss the goal.
     double hard_count = 0.0;
     double hard_clearance = 2e-3;
-    /// For each surface facet of the tet that is off its patch by more than the tolerance.
-    double off_weight = 0.5;
+    /// For each surface facet of the tet that is beyond the tolerance, times 1 + how far in tolerances.
+    double over_weight = 0.5;
 };
 
 /// A vertex star in lanes, the vertex as corner 0 of every tet: only that corner changes while the vertex moves.
@@ -46,7 +46,7 @@ class SearchEnergy {
     double of_present(const TetComplex &complex, const Tet &tet) const;
 
     void gather(const TetComplex &complex, int v, StarLanes &star) const;
-    double off(const TetComplex &complex, const Tet &tet) const { return form_.off_weight * complex.off_facets(tet); }
+    double over(const TetComplex &complex, const Tet &tet) const { return form_.over_weight * complex.over(tet); }
     /// Sum of the smooth part (no count) over the star with its vertex at x; gradient with respect to x.
     double at(StarLanes &star, const Vec3 &x, Vec3 *gradient) const;
     /// Energies (with count) of the star's tets with its vertex at x, in the order of the complex's star list.

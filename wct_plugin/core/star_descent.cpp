@@ -8,57 +8,17 @@ namespace wct {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// What is left of g in the directions the stratum allows.
-Vec3 allowed(const Vertex &vertex, const Vec3 &g, const Vec3 &direction) {
-    if (direction == Vec3{})
-        return g;
-    return vertex.stratum == Stratum::crease ? dot(g, direction) * direction : g - dot(g, direction) * direction;
-}
 } // namespace
-
-void StarDescent::gather_facets(int v) {
-    operators_.surface_at(v, facets_, patches_);
-    held_.clear();
-    for (std::size_t k = 0; k < facets_.size(); ++k) {
-        Held held{facets_[k], patches_[k], guide_.tolerance(), {}};
-        held.hints.fill(0);
-        if (complex_.off(held.facet))
-            held.limit = std::max(held.limit, (1.0 + 1e-9) * guide_.deviation(held.patch, complex_.point(held.facet[0]),
-                                                                              complex_.point(held.facet[1]),
-                                                                              complex_.point(held.facet[2])));
-        held_.push_back(held);
-    }
-}
-
-bool StarDescent::facets_allow(int v, const Vec3 &x) {
-    for (Held &held : held_) {
-        Vec3 before[3], after[3];
-        for (int i = 0; i < 3; ++i) {
-            before[i] = complex_.point(held.facet[i]);
-            after[i] = held.facet[i] == v ? x : before[i];
-        }
-        const Vec3 was = cross(before[1] - before[0], before[2] - before[0]);
-        const Vec3 is = cross(after[1] - after[0], after[2] - after[0]);
-        if (dot(was, is) <= 0.5 * norm(was) * norm(is))
-            return false;
-        if (!guide_.within(held.patch, after[0], after[1], after[2], held.limit, held.hints))
-            return false;
-    }
-    return true;
-}
 
 void StarDescent::settle(int v, const Vec3 &x) {
     complex_.move(v, x);
-    for (Held &held : held_)
-        if (complex_.off(held.facet) &&
-            guide_.within(held.patch, complex_.point(held.facet[0]), complex_.point(held.facet[1]),
-                          complex_.point(held.facet[2]), guide_.tolerance(), held.hints))
-            complex_.set_off(held.facet, false);
+    if (complex_.vertex(v).stratum != Stratum::interior)
+        watch_.settle(x);
     energies_.resize(star_.lanes.size() * kLanes);
     energy_.each(star_, x, energies_.data());
     const std::vector<int> &tets = complex_.star(v);
     for (std::size_t k = 0; k < tets.size(); ++k)
-        complex_.set_energy(tets[k], energies_[k] + energy_.off(complex_, complex_.tet(tets[k])));
+        complex_.set_energy(tets[k], energies_[k] + energy_.over(complex_, complex_.tet(tets[k])));
 }
 
 bool StarDescent::relax(int v, int steps) {
@@ -73,7 +33,20 @@ bool StarDescent::relax(int v, int steps) {
     energy_.gather(complex_, v, star_);
     Vec3 x = vertex.position;
     Vec3 gradient;
-    const double start = energy_.at(star_, x, &gradient);
+    double start = energy_.at(star_, x, &gradient);
+    const bool surface = vertex.stratum != Stratum::interior;
+    const double over_weight = energy_.form().over_weight;
+    Freedom freedom;
+    std::int32_t hint = 0;
+    if (surface) {
+        Vec3 place = x;
+        if (!guide_.admit(vertex, place, &freedom, hint))
+            return false;
+        watch_.gather(v);
+        Vec3 pull;
+        start += over_weight * watch_.cost(&pull);
+        gradient = freedom.of(gradient + over_weight * pull);
+    }
     if (start <= 0.0 || start == kInfinity)
         return false;
     double length = 0.0; // mean distance to the neighbours, each as often as tets share it
@@ -82,16 +55,6 @@ bool StarDescent::relax(int v, int steps) {
             length += norm(complex_.point(w) - x);
     length /= 3.0 * static_cast<double>(complex_.star(v).size());
 
-    const bool surface = vertex.stratum != Stratum::interior;
-    held_.clear();
-    Vec3 direction;
-    if (surface) {
-        Vec3 place = x;
-        if (!guide_.admit(vertex, place, &direction))
-            return false;
-        gradient = allowed(vertex, gradient, direction);
-        gather_facets(v);
-    }
     const double steepness = norm(gradient);
     if (steepness * length < 1e-9)
         return false;
@@ -104,26 +67,35 @@ bool StarDescent::relax(int v, int steps) {
     };
     double current = start;
     for (int step = 0; step < steps && current > 0.0; ++step) {
-        const Vec3 d = allowed(vertex, -1.0 * times(gradient), direction);
+        const Vec3 d = freedom.of(-1.0 * times(gradient));
         const double slope = dot(d, gradient);
         const double reach = norm(d);
         if (slope >= 0.0 || reach < 1e-6 * length)
             break;
         double t = reach > 0.3 * length ? 0.3 * length / reach : 1.0;
         bool moved = false;
-        Vec3 next, next_gradient, next_direction = direction;
+        Vec3 next, next_gradient;
+        Freedom next_freedom;
         double next_energy = kInfinity;
         for (int trial = 0; trial < 7 && !moved; ++trial, t *= 0.3) {
             next = x + t * d;
-            if (surface && !guide_.admit(vertex, next, &next_direction))
+            if (surface && !guide_.admit(vertex, next, &next_freedom, hint))
                 continue;
+            const double limit = current + 1e-4 * t * slope;
             next_energy = energy_.at(star_, next, &next_gradient);
-            moved = next_energy <= current + 1e-4 * t * slope && (!surface || facets_allow(v, next));
+            if (next_energy > limit || (surface && !watch_.allows(next)))
+                continue;
+            if (surface) {
+                Vec3 pull;
+                next_energy += over_weight * watch_.cost(&pull);
+                next_gradient += over_weight * pull;
+            }
+            moved = next_energy <= limit;
         }
         if (!moved)
             break;
-        direction = next_direction;
-        next_gradient = allowed(vertex, next_gradient, direction);
+        freedom = next_freedom;
+        next_gradient = freedom.of(next_gradient);
         const Vec3 s = next - x;
         const Vec3 y = next_gradient - gradient;
         const double sy = dot(s, y);
@@ -160,14 +132,13 @@ bool StarDescent::nudge(int v, const Vec3 &x) {
     if (!movable(v) || !complex_.used(v))
         return false;
     const bool surface = vertex.stratum != Stratum::interior;
-    held_.clear();
     if (surface)
-        gather_facets(v);
+        watch_.gather(v);
     energy_.gather(complex_, v, star_);
     Vec3 step = x - vertex.position;
     for (int trial = 0; trial < 3; ++trial, step = 0.4 * step) {
         Vec3 place = vertex.position + step;
-        if (surface && (!guide_.admit(vertex, place) || !facets_allow(v, place)))
+        if (surface && (!guide_.admit(vertex, place) || !watch_.allows(place)))
             continue;
         if (energy_.at(star_, place, nullptr) < kInfinity) {
             settle(v, place);

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "operators.h"
+#include "search_energy.h"
+#include "surface_watch.h"
 
 namespace wct {
 
@@ -9,8 +10,8 @@ namespace wct {
 /// already, moves further out).
 class StarDescent {
   public:
-    StarDescent(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, const Operators &operators)
-        : complex_(complex), energy_(energy), guide_(guide), operators_(operators) {}
+    StarDescent(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, SurfaceWatch &watch)
+        : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
 
     /// At most `steps` quasi-Newton steps; true if the vertex moved (journaled).
     bool relax(int v, int steps);
@@ -20,25 +21,14 @@ class StarDescent {
     bool movable(int v) const { return complex_.vertex(v).stratum != Stratum::corner; }
 
   private:
-    void gather_facets(int v);
-    bool facets_allow(int v, const Vec3 &x);
     void settle(int v, const Vec3 &x);
 
     TetComplex &complex_;
     const SearchEnergy &energy_;
     const SurfaceGuide &guide_;
-    const Operators &operators_;
+    SurfaceWatch &watch_;
     StarLanes star_;
     std::vector<double> energies_;
-    struct Held { // a surface facet at the vertex, and how far it may be from its patch
-        Facet facet;
-        int patch;
-        double limit;
-        SurfaceGuide::Hints hints;
-    };
-    std::vector<Held> held_;
-    std::vector<Facet> facets_;
-    std::vector<int> patches_;
 };
 
 } // namespace wct

@@ -1,43 +1,61 @@
 #include "surface_guide.h"
 
+#include "near_along.h"
+
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
 
 namespace wct {
 
 namespace {
 constexpr double kFlat = 1e-9; // of the patch's extent: what counts as planar or straight
 
-/// Where a facet is held against the surface: centroid, edges at quarters, and inner points.
-constexpr double kWeights[SurfaceGuide::kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
-                                                        {.5, .5, 0},
-                                                        {0, .5, .5},
-                                                        {.5, 0, .5},
-                                                        {.5, .25, .25},
-                                                        {.25, .5, .25},
-                                                        {.25, .25, .5},
-                                                        {.75, .25, 0},
-                                                        {.25, .75, 0},
-                                                        {0, .75, .25},
-                                                        {0, .25, .75},
-                                                        {.75, 0, .25},
-                                                        {.25, 0, .75}};
+// Shares of the tolerance. Vertices of curved patches stay in a shell; edges are held all along, so they get nearly all
+// of it; the inside of facets is held at a few points only.
+constexpr double kShell = 0.97;
+constexpr double kTube = 0.5;
+constexpr NearAlong kAlong = {0.975, 0.985};
+constexpr double kInside = 0.93;
+/// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
+constexpr double kBend = 0.99939;
 
-Vec3 blend(const double weights[3], const Vec3 &p, const Vec3 &q, const Vec3 &r) {
-    return weights[0] * p + weights[1] * q + weights[2] * r;
+/// Where a facet is held against the surface: its centroid, half-way from there to the corners, and, only to measure
+/// how far it is, the middles of its edges.
+constexpr int kSamples = 7;
+constexpr int kInner = 4;
+constexpr double kWeights[kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
+                                          {.666, .167, .167},
+                                          {.167, .666, .167},
+                                          {.167, .167, .666},
+                                          {.5, .5, 0},
+                                          {0, .5, .5},
+                                          {.5, 0, .5}};
+
+Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
+    return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
 }
 
 Vec3 unit(const Vec3 &v) {
     const double length = norm(v);
     return length > 0.0 ? (1.0 / length) * v : Vec3{};
 }
+
+Vec3 normal_of(const std::array<Vec3, 3> &c) {
+    return cross(c[1] - c[0], c[2] - c[0]);
+}
 } // namespace
 
-SurfaceGuide::SurfaceGuide(const std::vector<Vec3> &points, const std::vector<Facet> &triangles,
-                           const std::vector<int> &patch, const std::vector<Edge> &segments,
-                           const std::vector<int> &curve, double tolerance, double shell)
-    : tolerance_(tolerance), shell_(shell) {
+SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {
+    make_patches(surface);
+    make_curves(surface);
+    make_landmarks(surface, spacing);
+}
+
+void SurfaceGuide::make_patches(const Surface &surface) {
+    const auto &[points, triangles, patch, segments, curve] = surface;
     const int patches = patch.empty() ? 0 : *std::max_element(patch.begin(), patch.end()) + 1;
-    const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
     std::vector<std::vector<Facet>> of_patch(patches);
     for (std::size_t k = 0; k < triangles.size(); ++k)
         of_patch[patch[k]].push_back(triangles[k]);
@@ -64,6 +82,16 @@ SurfaceGuide::SurfaceGuide(const std::vector<Vec3> &points, const std::vector<Fa
         one.planar = !members.empty() && off <= kFlat * extent;
         patches_.push_back(std::move(one));
     }
+}
+
+void SurfaceGuide::make_curves(const Surface &surface) {
+    const auto &[points, triangles, patch, segments, curve] = surface;
+    const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
+    std::map<Edge, std::set<int>> planes; // planar patches at each edge
+    for (std::size_t k = 0; k < triangles.size(); ++k)
+        if (patches_[patch[k]].planar)
+            for (int i = 0; i < 3; ++i)
+                planes[sorted(triangles[k][i], triangles[k][(i + 1) % 3])].insert(patch[k]);
     std::vector<std::vector<Edge>> of_curve(curves);
     for (std::size_t k = 0; k < segments.size(); ++k)
         of_curve[curve[k]].push_back(segments[k]);
@@ -71,7 +99,7 @@ SurfaceGuide::SurfaceGuide(const std::vector<Vec3> &points, const std::vector<Fa
         std::vector<std::array<Vec3, 2>> pieces;
         for (const Edge &s : members)
             pieces.push_back({points[s[0]], points[s[1]]});
-        Curve one{BoundingTree<2>(std::move(pieces)), false, {}, {}};
+        Curve one{BoundingTree<2>(std::move(pieces)), false, {}, {}, {}};
         Vec3 far = {};
         double extent = 0.0, off = 0.0;
         if (!members.empty())
@@ -87,98 +115,152 @@ SurfaceGuide::SurfaceGuide(const std::vector<Vec3> &points, const std::vector<Fa
             for (int v : s)
                 off = std::max(off, norm(cross(points[v] - one.origin, one.direction)));
         one.straight = extent > 0.0 && off <= kFlat * extent;
+        std::set<int> shared = members.empty() ? std::set<int>{} : planes[sorted(members[0][0], members[0][1])];
+        for (const Edge &s : members)
+            std::erase_if(shared, [&](int p) { return !planes[sorted(s[0], s[1])].contains(p); });
+        if (!shared.empty()) // a curved line has one plane
+            one.normal = patches_[*shared.begin()].normal;
         curves_.push_back(std::move(one));
     }
 }
 
-bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Vec3 *direction) const {
-    if (direction)
-        *direction = {};
-    const auto within_shell = [&](const Vec3 &foot) {
+void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
+    const auto &[points, triangles, patch, segments, curve] = surface;
+    std::set<std::array<int, 2>> seen;          // patch and vertex
+    std::map<std::array<int, 3>, Vec3> normals; // by patch and edge: of the triangle seen first
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+        if (patches_[patch[k]].planar)
+            continue;
+        const Facet &t = triangles[k];
+        const Vec3 normal = unit(normal_of({points[t[0]], points[t[1]], points[t[2]]}));
+        for (int i = 0; i < 3; ++i) {
+            if (seen.insert({patch[k], t[i]}).second)
+                landmarks_.push_back({points[t[i]], patch[k]});
+            const Edge edge = sorted(t[i], t[(i + 1) % 3]);
+            const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, normal);
+            if (first || std::abs(dot(found->second, normal)) > kBend)
+                continue;
+            const Vec3 &a = points[edge[0]], &b = points[edge[1]];
+            const int parts = std::min(16, static_cast<int>(std::ceil(norm(b - a) / spacing)));
+            for (int p = 1; p < parts; ++p)
+                landmarks_.push_back({a + (static_cast<double>(p) / parts) * (b - a), patch[k]});
+        }
+    }
+}
+
+bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const {
+    Freedom left;
+    const auto clamp = [&](const Vec3 &foot, double reach) {
         const Vec3 off = x - foot;
         const double length = norm(off);
-        if (length > shell_)
-            x = foot + (shell_ / length) * off;
+        if (length > reach)
+            x = foot + (reach / length) * off;
     };
     switch (vertex.stratum) {
     case Stratum::interior:
-        return true;
+        break;
     case Stratum::patch: {
         const Patch &patch = patches_[vertex.label];
         if (patch.planar) {
             x -= dot(x - patch.origin, patch.normal) * patch.normal;
-            if (direction)
-                *direction = patch.normal;
-            return true;
+            left = {Freedom::Kind::plane, patch.normal};
+            break;
         }
-        within_shell(patch.tree.closest(x).point);
-        return true;
+        const auto found = patch.tree.closest(x, hint);
+        hint = found.piece;
+        clamp(found.point, kShell * tolerance_);
+        break;
     }
     case Stratum::crease: {
         const Curve &curve = curves_[vertex.label];
         if (curve.straight) {
             x = curve.origin + dot(x - curve.origin, curve.direction) * curve.direction;
-            if (direction)
-                *direction = curve.direction;
-            return true;
+            left = {Freedom::Kind::line, curve.direction};
+            break;
         }
-        const auto hit = curve.tree.closest(x);
-        const auto &ends = curve.tree.pieces()[hit.piece];
-        x = hit.point;
-        if (direction)
-            *direction = unit(ends[1] - ends[0]);
-        return true;
-    }
-    case Stratum::corner:
+        if (curve.normal) {
+            x -= dot(x - curve.origin, *curve.normal) * *curve.normal;
+            left = {Freedom::Kind::plane, *curve.normal};
+        }
+        const auto found = curve.tree.closest(x, hint);
+        hint = found.piece;
+        clamp(found.point, kTube * tolerance_);
         break;
     }
-    return false;
-}
-
-bool SurfaceGuide::allows(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r) const {
-    Hints hints;
-    hints.fill(0);
-    return within(patch, p, q, r, tolerance_, hints);
-}
-
-bool SurfaceGuide::within(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r, double limit, Hints &hints) const {
-    const Patch &guide = patches_[patch];
-    if (guide.planar)
-        return true;
-    const Vec3 n = cross(q - p, r - p);
-    for (int k = 0; k < kSamples; ++k) {
-        const Vec3 x = blend(kWeights[k], p, q, r);
-        const std::int32_t near = guide.tree.within(x, limit * limit, hints[k]);
-        if (near < 0)
-            return false;
-        hints[k] = near;
-        if (k == 0) {
-            const auto &c = guide.tree.pieces()[hints[k]];
-            const Vec3 m = cross(c[1] - c[0], c[2] - c[0]);
-            if (std::abs(dot(n, m)) < 0.6 * norm(n) * norm(m))
-                return false;
-        }
+    case Stratum::corner:
+        return false;
     }
+    if (freedom)
+        *freedom = left;
     return true;
 }
 
-double SurfaceGuide::deviation(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r) const {
-    const Patch &guide = patches_[patch];
-    double worst = 0.0;
-    if (!guide.planar)
-        for (const auto &weights : kWeights)
-            worst = std::max(worst, norm(guide.tree.closest(blend(weights, p, q, r)).point - blend(weights, p, q, r)));
+bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
+    const BoundingTree<3> &tree = patches_[patch].tree;
+    const double inside = kInside * tolerance_;
+    for (int k = 0; k < kInner; ++k) { // what is not near is mostly not near here
+        const std::int32_t found = tree.within(blend(kWeights[k], corners), inside * inside, hints[k]);
+        if (found < 0)
+            return false;
+        hints[k] = found;
+        if (k > 0)
+            continue;
+        const Vec3 n = normal_of(corners);
+        const Vec3 m = normal_of(tree.pieces()[found]);
+        if (std::abs(dot(n, m)) < 0.6 * norm(n) * norm(m))
+            return false;
+    }
+    for (int k = 0; k < 3; ++k)
+        if (edges >> k & 1u && !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], tolerance_,
+                                                hints[kSamples + 2 * k], hints[kSamples + 2 * k + 1]))
+            return false;
+    return true;
+}
+
+SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const {
+    Gap worst;
+    for (int k = 0; k < kSamples; ++k) {
+        const auto &weights = kWeights[k];
+        const Vec3 x = blend(weights, corners);
+        const auto found = patches_[patch].tree.closest(x, hints[k]);
+        hints[k] = found.piece;
+        const Vec3 to = found.point - x;
+        if (norm(to) > worst.distance)
+            worst = {norm(to), {weights[0], weights[1], weights[2]}, to};
+    }
     return worst;
+}
+
+double SurfaceGuide::offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const {
+    // The middles of the edges: exact where the distance is quadratic over the facet, as it is over a smooth surface.
+    const BoundingTree<3> &tree = patches_[patch].tree;
+    double sum = 0.0;
+    for (int k = kInner; k < kSamples; ++k) {
+        const Vec3 x = blend(kWeights[k], corners);
+        const auto found = tree.closest(x, hints[k]);
+        const Vec3 off = x - found.point;
+        sum += dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
+    }
+    return sum / (kSamples - kInner);
+}
+
+Vec3 SurfaceGuide::normal(int patch, const Vec3 &x) const {
+    const BoundingTree<3> &tree = patches_[patch].tree;
+    return unit(normal_of(tree.pieces()[tree.closest(x).piece]));
 }
 
 bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const {
     const Curve &guide = curves_[curve];
     if (guide.straight)
         return true;
-    for (double t : {0.25, 0.5, 0.75})
-        if (guide.tree.within((1.0 - t) * p + t * q, tolerance_ * tolerance_, 0) < 0)
-            return false;
-    return true;
+    std::int32_t first = 0, later = 0;
+    return kAlong.all_near(guide.tree, p, q, tolerance_, first, later);
+}
+
+bool SurfaceGuide::covers(const std::array<Vec3, 3> &corners, int landmark) const {
+    const Vec3 &point = landmarks_[landmark].point;
+    const Vec3 to = point - closest_on(corners, point);
+    return dot(to, to) <= kShell * kShell * tolerance_ * tolerance_;
 }
 
 } // namespace wct

@@ -3,35 +3,77 @@
 #include "bounding_tree.h"
 #include "tet_complex.h"
 
+#include <array>
+#include <optional>
 #include <vector>
 
 namespace wct {
 
+/// Which way a vertex may move: along all of space, a plane (axis: its unit normal) or a line (its unit direction).
+struct Freedom {
+    enum class Kind : std::uint8_t { space, plane, line } kind = Kind::space;
+    Vec3 axis;
+
+    /// What is left of v.
+    Vec3 of(const Vec3 &v) const {
+        return kind == Kind::space ? v : kind == Kind::line ? dot(v, axis) * axis : v - dot(v, axis) * axis;
+    }
+};
+
 /// The surface the boundary and the interfaces must stay near, cut into patches and curves: where a vertex may be, and
-/// which facets and crease edges are near enough. Planar patches and straight curves are kept exactly; on curved ones
-/// vertices are free in a shell round the surface, so that facets can cut through it and keep the volume.
+/// which facets are near enough. Planar patches and straight curves are kept exactly. On curved patches vertices are
+/// free in a shell round the surface, so that facets can cut through it and keep the volume, and on curved creases in a
+/// tube (in the plane of the planar patch at the crease, if there is one).
 class SurfaceGuide {
   public:
-    /// `patch` and `curve` number from 0. `tolerance` is a length; vertices of curved patches stay within `shell` of
-    /// the surface, facets within `tolerance`.
-    SurfaceGuide(const std::vector<Vec3> &points, const std::vector<Facet> &triangles, const std::vector<int> &patch,
-                 const std::vector<Edge> &segments, const std::vector<int> &curve, double tolerance, double shell);
+    struct Surface {
+        const std::vector<Vec3> &points;
+        const std::vector<Facet> &triangles;
+        const std::vector<int> &patch; // of each triangle, from 0
+        const std::vector<Edge> &segments;
+        const std::vector<int> &curve; // of each segment, from 0
+    };
+    /// `tolerance` is a length. Landmarks on edges of the surface are no farther apart than `spacing`.
+    SurfaceGuide(const Surface &surface, double tolerance, double spacing);
 
-    /// Put x where the vertex may be. False: it may not move at all. `direction`: unit normal of a planar patch or unit
-    /// tangent of a crease; zero where all directions are free.
-    bool admit(const Vertex &vertex, Vec3 &x, Vec3 *direction = nullptr) const;
-    /// Where the sample points of a facet were last found near the surface: the next search begins there.
-    static constexpr int kSamples = 13;
-    using Hints = std::array<std::int32_t, kSamples>;
+    /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is
+    /// where the surface was found last, 0 at first.
+    bool admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const;
+    bool admit(const Vertex &vertex, Vec3 &x) const {
+        std::int32_t hint = 0;
+        return admit(vertex, x, nullptr, hint);
+    }
 
     double tolerance() const { return tolerance_; }
-    /// Whether a facet of the patch with these corners stays within the tolerance and is not folded over.
-    bool allows(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r) const;
-    /// The same with another limit than the tolerance.
-    bool within(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r, double limit, Hints &hints) const;
-    /// Greatest distance of sample points of the facet from the patch.
-    double deviation(int patch, const Vec3 &p, const Vec3 &q, const Vec3 &r) const;
+    std::size_t patches() const { return patches_.size(); }
+    bool planar(int patch) const { return patches_[patch].planar; }
+
+    /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges`
+    /// says that the edge from corner k to the next is to be looked at along its whole length; the others are known to
+    /// be near.
+    bool near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const;
+    /// How far a facet is from its patch, as found at sample points: the farthest of them, in weights of the corners,
+    /// and the vector from there to the surface.
+    struct Gap {
+        double distance = 0.0;
+        Vec3 weights, to_surface;
+    };
+    Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const;
+    /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
+    double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
+    /// Unit normal of the patch where it is closest to x.
+    Vec3 normal(int patch, const Vec3 &x) const;
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
+
+    /// Points of the surface that facets must stay near, too: vertices of curved patches, and points on edges where
+    /// they bend.
+    struct Landmark {
+        Vec3 point;
+        int patch;
+    };
+    const std::vector<Landmark> &landmarks() const { return landmarks_; }
+    /// Whether the facet is within the tolerance of the landmark.
+    bool covers(const std::array<Vec3, 3> &corners, int landmark) const;
 
   private:
     struct Patch {
@@ -43,11 +85,16 @@ class SurfaceGuide {
         BoundingTree<2> tree;
         bool straight = false;
         Vec3 direction, origin;
+        std::optional<Vec3> normal; // of the planar patch at the curve
     };
+    void make_patches(const Surface &surface);
+    void make_curves(const Surface &surface);
+    void make_landmarks(const Surface &surface, double spacing);
+
     std::vector<Patch> patches_;
     std::vector<Curve> curves_;
+    std::vector<Landmark> landmarks_;
     double tolerance_;
-    double shell_;
 };
 
 } // namespace wct

@@ -56,42 +56,96 @@ int TetComplex::patch_of(int a, int b, int c) const {
     return found == surface_.end() ? -1 : found->second.patch;
 }
 
-int TetComplex::off_facets(const Tet &tet) const {
-    if (off_count_ == 0)
-        return 0;
-    int count = 0;
+void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const {
+    facets.clear();
+    patches.clear();
+    if (vertices_[v].stratum == Stratum::interior)
+        return;
+    for (int t : stars_[v]) {
+        const Tet &tet = tets_[t];
+        for (int i = 0; i < 4; ++i) {
+            if (tet[i] == v)
+                continue;
+            const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
+            const int patch = patch_of(key[0], key[1], key[2]);
+            if (patch >= 0 && std::find(facets.begin(), facets.end(), key) == facets.end()) {
+                facets.push_back(key);
+                patches.push_back(patch);
+            }
+        }
+    }
+}
+
+double TetComplex::over(const Tet &tet) const {
+    if (over_count_ == 0)
+        return 0.0;
+    double sum = 0.0;
     for (const auto &facet : kFacets) {
         const int a = tet[facet[0]], b = tet[facet[1]], c = tet[facet[2]];
-        if (vertices_[a].stratum == Stratum::interior || vertices_[b].stratum == Stratum::interior ||
-            vertices_[c].stratum == Stratum::interior)
+        if (over_at_[a] == 0 || over_at_[b] == 0 || over_at_[c] == 0)
             continue;
         const auto found = surface_.find(sorted(a, b, c));
-        count += found != surface_.end() && found->second.off;
+        if (found != surface_.end() && found->second.over > 0.0)
+            sum += 1.0 + found->second.over;
     }
-    return count;
+    return sum;
 }
 
-bool TetComplex::off(const Facet &key) const {
-    return surface_.at(key).off;
-}
-
-void TetComplex::set_off(const Facet &key, bool off) {
+void TetComplex::set_over(const Facet &key, double over) {
     SurfaceFacet &facet = surface_.at(key);
-    if (facet.off == off)
+    if (facet.over == over)
         return;
-    note({Kind::set_off, facet.off, 0.0, {}, key});
-    facet.off = off;
-    off_count_ += off ? 1 : -1;
+    note({Kind::set_over, 0, facet.over, {}, key});
+    count_over(key, (over > 0.0) - (facet.over > 0.0));
+    facet.over = over;
 }
 
-void TetComplex::put_facet(const Facet &key, SurfaceFacet facet) {
-    surface_[key] = facet;
-    off_count_ += facet.off;
+void TetComplex::count_over(const Facet &key, int change) {
+    over_count_ += change;
+    for (int v : key)
+        over_at_[v] += change;
+}
+
+void TetComplex::own(int landmark, const Facet &owner) {
+    SurfaceFacet &facet = surface_.at(owner);
+    landmarks_[landmark] = {owner, facet.landmark, -1};
+    if (facet.landmark >= 0)
+        landmarks_[facet.landmark].previous = landmark;
+    facet.landmark = landmark;
+}
+
+void TetComplex::disown(int landmark) {
+    const Landmark &gone = landmarks_[landmark];
+    if (gone.previous >= 0)
+        landmarks_[gone.previous].next = gone.next;
+    else
+        surface_.at(gone.owner).landmark = gone.next;
+    if (gone.next >= 0)
+        landmarks_[gone.next].previous = gone.previous;
+}
+
+void TetComplex::add_landmark(const std::optional<Facet> &owner) {
+    landmarks_.emplace_back();
+    if (owner)
+        own(static_cast<int>(landmarks_.size()) - 1, *owner);
+}
+
+void TetComplex::hand_landmark(int landmark, const Facet &owner) {
+    if (landmarks_[landmark].owner == owner)
+        return;
+    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_[landmark].owner});
+    disown(landmark);
+    own(landmark, owner);
+}
+
+void TetComplex::put_facet(const Facet &key, int patch, double over) {
+    surface_[key] = {patch, -1, over, {}};
+    count_over(key, over > 0.0);
 }
 
 void TetComplex::drop_facet(const Facet &key) {
     const auto found = surface_.find(key);
-    off_count_ -= found->second.off;
+    count_over(key, -(found->second.over > 0.0));
     surface_.erase(found);
 }
 
@@ -127,6 +181,7 @@ void TetComplex::unlink(int t) {
 int TetComplex::add_vertex(const Vertex &vertex) {
     vertices_.push_back(vertex);
     stars_.emplace_back();
+    over_at_.emplace_back();
     note({Kind::added_vertex, 0, 0.0, {}, {}});
     return static_cast<int>(vertices_.size()) - 1;
 }
@@ -170,13 +225,13 @@ void TetComplex::set_energy(int t, double energy) {
 }
 
 void TetComplex::add_facet(const Facet &key, int patch) {
-    put_facet(key, {patch, false});
+    put_facet(key, patch, 0.0);
     note({Kind::added_facet, patch, 0.0, {}, key});
 }
 
 void TetComplex::remove_facet(const Facet &key) {
     const auto found = surface_.find(key);
-    note({Kind::removed_facet, found->second.patch, found->second.off ? 1.0 : 0.0, {}, key});
+    note({Kind::removed_facet, found->second.patch, found->second.over, {}, key});
     drop_facet(key);
 }
 
@@ -214,6 +269,7 @@ void TetComplex::rollback() {
         case Kind::added_vertex:
             vertices_.pop_back();
             stars_.pop_back();
+            over_at_.pop_back();
             break;
         case Kind::moved:
             vertices_[entry.index].position = entry.position;
@@ -232,11 +288,17 @@ void TetComplex::rollback() {
             drop_facet(entry.key);
             break;
         case Kind::removed_facet:
-            put_facet(entry.key, {entry.index, entry.energy != 0.0});
+            put_facet(entry.key, entry.index, entry.energy);
             break;
-        case Kind::set_off:
-            surface_.at(entry.key).off = entry.index != 0;
-            off_count_ += entry.index != 0 ? 1 : -1;
+        case Kind::set_over: {
+            double &over = surface_.at(entry.key).over;
+            count_over(entry.key, (entry.energy > 0.0) - (over > 0.0));
+            over = entry.energy;
+            break;
+        }
+        case Kind::handed_landmark:
+            disown(entry.index);
+            own(entry.index, entry.key);
             break;
         case Kind::added_crease:
             creases_.erase({entry.key[0], entry.key[1]});

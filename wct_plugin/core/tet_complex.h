@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -19,6 +20,10 @@ struct KeyHash {
     std::size_t operator()(const Edge &key) const;
     std::size_t operator()(const Facet &key) const;
 };
+
+/// Pieces of the surface that parts of a facet were last found near: where to look first. Old ones cost time, no more,
+/// so that they are in no journal.
+using SurfaceHints = std::array<std::int32_t, 13>;
 
 struct Vertex {
     Vec3 position;
@@ -53,14 +58,27 @@ class TetComplex {
 
     struct SurfaceFacet {
         int patch = -1;
-        bool off = false; // farther from its patch than the tolerance
+        int landmark = -1; // first of the surface's landmarks that it covers
+        double over = 0.0; // how far it and its landmarks are apart beyond the tolerance, in tolerances
+        SurfaceHints hints{};
     };
     /// Patch of a surface facet, -1 for an interior one.
     int patch_of(int a, int b, int c) const;
-    /// How many of the tet's facets are off their patch.
-    int off_facets(const Tet &tet) const;
-    bool off(const Facet &key) const;
-    void set_off(const Facet &key, bool off);
+    /// Surface facets at v, each once, and their patches.
+    void surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const;
+    /// Sum of 1 + over for the tet's facets that are beyond the tolerance.
+    double over(const Tet &tet) const;
+    double over(const Facet &key) const { return surface_.at(key).over; }
+    void set_over(const Facet &key, double over);
+    const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
+    void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
+    /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
+    int first_landmark(const Facet &key) const { return surface_.at(key).landmark; }
+    int next_landmark(int landmark) const { return landmarks_[landmark].next; }
+    /// A new landmark (the next number), and a change of its owner. Both facets must be there, and a facet must have
+    /// handed on its landmarks before it is removed.
+    void add_landmark(const std::optional<Facet> &owner);
+    void hand_landmark(int landmark, const Facet &owner);
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
     const std::unordered_map<Facet, SurfaceFacet, KeyHash> &surface() const { return surface_; }
@@ -93,14 +111,15 @@ class TetComplex {
         set_energy,
         added_facet,
         removed_facet,
-        set_off,
+        set_over,
+        handed_landmark,
         added_crease,
         removed_crease
     };
     struct Entry {
         Kind kind;
-        int index;     // vertex or tet; patch or curve of a facet or crease
-        double energy; // before
+        int index;     // vertex or tet; patch or curve of a facet or crease; landmark
+        double energy; // before; how far over the facet was
         Vec3 position; // before
         Facet key;     // facet; first two of a crease
     };
@@ -110,8 +129,15 @@ class TetComplex {
     };
 
     void note(Entry entry);
-    void put_facet(const Facet &key, SurfaceFacet facet);
+    struct Landmark {
+        Facet owner;
+        int next, previous; // in the list of the owner's; -1 at its ends
+    };
+    void count_over(const Facet &key, int change);
+    void put_facet(const Facet &key, int patch, double over);
     void drop_facet(const Facet &key);
+    void own(int landmark, const Facet &owner);
+    void disown(int landmark);
     void unlink(int t);
     void link(int t);
 
@@ -123,7 +149,9 @@ class TetComplex {
     std::vector<std::uint8_t> alive_;
     std::vector<int> free_; // dead slots nobody can ask back
     std::unordered_map<Facet, SurfaceFacet, KeyHash> surface_;
-    int off_count_ = 0;
+    std::vector<int> over_at_; // per vertex: its facets beyond the tolerance
+    int over_count_ = 0;
+    std::vector<Landmark> landmarks_;
     std::unordered_map<Edge, int, KeyHash> creases_;
     double total_ = 0.0;
     std::vector<Entry> journal_;

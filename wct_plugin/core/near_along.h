@@ -1,0 +1,56 @@
+#pragma once
+
+#include "bounding_tree.h"
+
+#include <cstdint>
+
+namespace wct {
+
+/// Whether all of a straight edge is near a set of segments or triangles. Shares of the tolerance: `at`, what the
+/// places that are looked at stay within, and `all`, what everything between them stays within.
+struct NearAlong {
+    double at, all;
+
+    /// Distance to one piece is convex: where it is small at both ends, so it is between them. So this goes on along
+    /// each piece to where it is hardly near any more, found by Newton's method from the far side, and there to another
+    /// that is nearer. `first` and `later`: pieces to try first, and where they were found.
+    template <class Tree>
+    bool all_near(const Tree &tree, Vec3 a, const Vec3 &b, double tolerance, std::int32_t &first,
+                  std::int32_t &later) const {
+        constexpr int turns = 64; // an edge near more pieces than this, one after the other, is refused
+        const double limit = at * at * tolerance * tolerance;
+        const double within = all * all * tolerance * tolerance;
+        const double hardly = 0.5 * (at + all) * tolerance;
+        std::int32_t piece = tree.within(a, limit, first);
+        if (piece < 0)
+            return false;
+        first = piece;
+        for (int turn = 0; turn < turns; ++turn) {
+            const Vec3 along = b - a;
+            Vec3 x = b;
+            Vec3 gap = tree.gap(piece, x);
+            if (dot(gap, gap) <= within)
+                return true;
+            double t = 1.0;
+            for (int step = 0; !(dot(gap, gap) <= within); ++step) {
+                const double distance = norm(gap);
+                const double slope = dot(gap, along) / distance;
+                if (!(slope > 0.0) || step == turns)
+                    return false;
+                t -= (distance - hardly) / slope;
+                x = a + t * along;
+                gap = tree.gap(piece, x);
+            }
+            if (!(t > 0.0 && t < 1.0))
+                return false;
+            a = x;
+            piece = tree.within(a, limit, later);
+            if (piece < 0)
+                return false;
+            later = piece;
+        }
+        return false;
+    }
+};
+
+} // namespace wct

@@ -1,0 +1,67 @@
+#include "surface_balance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wct {
+
+namespace {
+constexpr int kSweeps = 10;
+constexpr double kBalanced = 0.01; // of the tolerance
+} // namespace
+
+void SurfaceBalance::run() {
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        const std::vector<double> offset = offsets();
+        if (std::all_of(offset.begin(), offset.end(),
+                        [&](double here) { return std::abs(here) <= kBalanced * guide_.tolerance(); }))
+            return;
+        bool any = false;
+        for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
+            const int v = static_cast<int>(k);
+            const Vertex &vertex = complex_.vertex(v);
+            if (complex_.used(v) && vertex.stratum == Stratum::patch && !guide_.planar(vertex.label))
+                any |= shift(v, -offset[vertex.label]);
+        }
+        if (!any)
+            return;
+    }
+}
+
+std::vector<double> SurfaceBalance::offsets() {
+    std::vector<std::pair<Facet, int>> facets;
+    for (const auto &[key, facet] : complex_.surface())
+        if (!guide_.planar(facet.patch))
+            facets.push_back({key, facet.patch});
+    std::sort(facets.begin(), facets.end()); // sums must not depend on the order of the hash table
+    std::vector<double> sum(guide_.patches(), 0.0), area(guide_.patches(), 0.0);
+    for (const auto &[key, patch] : facets) {
+        const std::array<Vec3, 3> corners = {complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])};
+        const double here = norm(cross(corners[1] - corners[0], corners[2] - corners[0]));
+        sum[patch] += here * guide_.offset(patch, corners, complex_.hints(key));
+        area[patch] += here;
+    }
+    for (std::size_t patch = 0; patch < sum.size(); ++patch)
+        sum[patch] = area[patch] > 0.0 ? sum[patch] / area[patch] : 0.0;
+    return sum;
+}
+
+int SurfaceBalance::bad_around(int v) const {
+    const auto &star = complex_.star(v);
+    return static_cast<int>(
+        std::count_if(star.begin(), star.end(), [&](int t) { return energy_.bad(complex_.energy(t)); }));
+}
+
+bool SurfaceBalance::shift(int v, double by) {
+    const int before = bad_around(v);
+    complex_.mark();
+    const Vec3 x = complex_.point(v) + by * guide_.normal(complex_.vertex(v).label, complex_.point(v));
+    if (descent_.nudge(v, x) && bad_around(v) <= before) {
+        complex_.commit();
+        return true;
+    }
+    complex_.rollback();
+    return false;
+}
+
+} // namespace wct

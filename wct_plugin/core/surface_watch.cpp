@@ -1,0 +1,290 @@
+#include "surface_watch.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace wct {
+
+namespace {
+constexpr double kUnfolded = 0.5; // cosine of the angle a facet may turn by in one move
+/// Over by rounding is over all the same.
+constexpr double kLeast = 1e-6;
+
+std::array<double, 9> coordinates(const std::array<Vec3, 3> &c) {
+    return {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z};
+}
+
+Vec3 normal_of(const std::array<Vec3, 3> &c) {
+    return cross(c[1] - c[0], c[2] - c[0]);
+}
+} // namespace
+
+SurfaceWatch::Piece SurfaceWatch::piece(const Facet &key, int patch) const {
+    Piece out{.key = key,
+              .patch = patch,
+              .planar = guide_.planar(patch),
+              .corners = {complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])},
+              .pull = {}};
+    return out;
+}
+
+void SurfaceWatch::begin() {
+    std::vector<std::pair<Facet, int>> facets;
+    for (const auto &[key, facet] : complex_.surface())
+        if (!guide_.planar(facet.patch))
+            facets.push_back({key, facet.patch});
+    std::sort(facets.begin(), facets.end()); // the order must not depend on the hash table
+    std::map<int, std::vector<std::array<Vec3, 3>>> by_patch;
+    std::map<std::array<double, 9>, Facet> known;
+    for (const auto &[key, patch] : facets) {
+        Piece one = piece(key, patch);
+        by_patch[patch].push_back(one.corners);
+        known.emplace(coordinates(one.corners), key);
+        if (!guide_.near(patch, one.corners, one.edges, one.hints))
+            complex_.set_over(
+                key, std::max(kLeast, guide_.gap(patch, one.corners, one.hints).distance / guide_.tolerance() - 1.0));
+    }
+    std::map<int, BoundingTree<3>> trees;
+    for (auto &[patch, corners] : by_patch)
+        trees.emplace(patch, BoundingTree<3>(std::move(corners)));
+    std::map<int, std::int32_t> hints;
+    for (std::size_t l = 0; l < guide_.landmarks().size(); ++l) {
+        const auto &[point, patch] = guide_.landmarks()[l];
+        const auto tree = trees.find(patch);
+        if (tree == trees.end()) { // a patch too small to have got a facet
+            complex_.add_landmark(std::nullopt);
+            continue;
+        }
+        const auto found = tree->second.closest(point, hints[patch]);
+        hints[patch] = found.piece;
+        const auto &corners = tree->second.pieces()[found.piece];
+        const Facet owner = known.at(coordinates(corners));
+        complex_.add_landmark(owner);
+        if (!guide_.covers(corners, static_cast<int>(l)))
+            complex_.set_over(
+                owner, std::max({complex_.over(owner), kLeast, norm(found.point - point) / guide_.tolerance() - 1.0}));
+    }
+}
+
+void SurfaceWatch::clear() {
+    vertex_ = -1;
+    old_.clear();
+    new_.clear();
+}
+
+void SurfaceWatch::goes(const Facet &key, int patch) {
+    old_.push_back(piece(key, patch));
+    old_.back().was_over = complex_.over(key);
+}
+
+void SurfaceWatch::comes(const Facet &key, int patch) {
+    new_.push_back(piece(key, patch));
+}
+
+/// An edge of a facet that goes stays where it was; an edge of two that come is looked at once.
+void SurfaceWatch::skip_known_edges() {
+    const auto has = [&](const Piece &piece, int patch, int a, int b) {
+        const Facet &f = piece.key;
+        return piece.patch == patch && (f[0] == a || f[1] == a || f[2] == a) && (f[0] == b || f[1] == b || f[2] == b);
+    };
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+        Piece &piece = new_[i];
+        for (int k = 0; k < 3; ++k) {
+            const int a = piece.key[k], b = piece.key[(k + 1) % 3];
+            bool known = false;
+            if (a != vertex_ && b != vertex_)
+                known =
+                    std::any_of(old_.begin(), old_.end(), [&](const Piece &p) { return has(p, piece.patch, a, b); });
+            for (std::size_t j = 0; j < i && !known; ++j)
+                known = has(new_[j], piece.patch, a, b);
+            if (known)
+                piece.edges &= ~(1u << k);
+        }
+    }
+}
+
+bool SurfaceWatch::allows_replacing() {
+    skip_known_edges();
+    double allowed = 0.0; // no facet may be farther over than one it replaces
+    for (const Piece &piece : old_)
+        allowed = std::max(allowed, piece.was_over * (1.0 + 1e-9));
+    for (Piece &piece : new_) {
+        if (piece.planar || guide_.near(piece.patch, piece.corners, allowed > 0.0 ? 7u : piece.edges, piece.hints))
+            continue;
+        if (allowed <= 0.0)
+            return false;
+        piece.over =
+            std::max(kLeast, guide_.gap(piece.patch, piece.corners, piece.hints).distance / guide_.tolerance() - 1.0);
+    }
+    if (!landmarks_covered())
+        return false;
+    return std::none_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; });
+}
+
+bool SurfaceWatch::replace() {
+    for (const Piece &piece : new_) {
+        complex_.add_facet(piece.key, piece.patch);
+        complex_.set_over(piece.key, piece.over);
+        complex_.set_hints(piece.key, piece.hints);
+    }
+    for (const Handed &handed : handed_)
+        complex_.hand_landmark(handed.landmark, handed.to);
+    for (const Piece &piece : old_)
+        complex_.remove_facet(piece.key);
+    return std::any_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > 0.0; });
+}
+
+void SurfaceWatch::gather(int v) {
+    clear();
+    vertex_ = v;
+    complex_.surface_at(v, facets_, patches_);
+    for (std::size_t k = 0; k < facets_.size(); ++k) {
+        Piece one = piece(facets_[k], patches_[k]);
+        one.over = one.was_over = complex_.over(one.key);
+        one.hints = complex_.hints(one.key);
+        old_.push_back(one);
+    }
+    new_ = old_;
+    skip_known_edges();
+    asked_ = complex_.point(v);
+    handed_.clear();
+    if (std::any_of(old_.begin(), old_.end(), [](const Piece &p) { return p.over > 0.0; }))
+        allows(asked_); // so that cost and gradient are there
+}
+
+bool SurfaceWatch::allows(const Vec3 &x) {
+    asked_ = x;
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+        Piece &piece = new_[i];
+        for (int k = 0; k < 3; ++k)
+            if (piece.key[k] == vertex_)
+                piece.corners[k] = x;
+        const Vec3 was = normal_of(old_[i].corners);
+        const Vec3 is = normal_of(piece.corners);
+        if (dot(was, is) <= kUnfolded * norm(was) * norm(is))
+            return false;
+    }
+    for (Piece &piece : new_) {
+        piece.over = 0.0;
+        piece.pull = {};
+        if (piece.planar ||
+            guide_.near(piece.patch, piece.corners, piece.was_over > 0.0 ? 7u : piece.edges, piece.hints))
+            continue;
+        if (piece.was_over <= 0.0)
+            return false;
+        const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints);
+        const auto &[a, b, c] = piece.corners;
+        farther(piece, gap.distance / guide_.tolerance() - 1.0,
+                gap.weights.x * a + gap.weights.y * b + gap.weights.z * c, gap.to_surface);
+    }
+    if (!landmarks_covered())
+        return false;
+    return std::none_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > p.was_over * (1.0 + 1e-9); });
+}
+
+/// The piece is over by this much where its point `at` should go `to_surface`.
+void SurfaceWatch::farther(Piece &piece, double over, const Vec3 &at, const Vec3 &to_surface) const {
+    if (piece.over > 0.0 && over <= piece.over)
+        return;
+    piece.over = std::max(over, kLeast);
+    if (vertex_ < 0)
+        return;
+    int k = 0;
+    while (piece.key[k] != vertex_)
+        ++k;
+    const Vec3 &a = piece.corners[(k + 1) % 3];
+    const Vec3 along = piece.corners[(k + 2) % 3] - a;
+    const double weight = norm(cross(at - a, along)) / norm(cross(piece.corners[k] - a, along));
+    const double distance = norm(to_surface);
+    piece.pull = distance > 0.0 ? (-weight / (distance * guide_.tolerance())) * to_surface : Vec3{};
+}
+
+double SurfaceWatch::cost(Vec3 *gradient) const {
+    double sum = 0.0;
+    for (const Piece &piece : new_)
+        if (piece.over > 0.0) {
+            sum += 1.0 + piece.over;
+            if (gradient)
+                *gradient += piece.pull;
+        }
+    return sum;
+}
+
+void SurfaceWatch::settle(const Vec3 &x) {
+    if (!(asked_ == x))
+        allows(x);
+    for (const Handed &handed : handed_)
+        complex_.hand_landmark(handed.landmark, handed.to);
+    for (const Piece &piece : new_) {
+        complex_.set_over(piece.key, piece.over);
+        complex_.set_hints(piece.key, piece.hints);
+    }
+}
+
+bool SurfaceWatch::landmarks_covered() {
+    handed_.clear();
+    for (std::size_t i = 0; i < old_.size(); ++i) {
+        if (old_[i].planar)
+            continue;
+        for (int l = complex_.first_landmark(old_[i].key); l >= 0; l = complex_.next_landmark(l)) {
+            if (vertex_ >= 0 && guide_.covers(new_[i].corners, l))
+                continue;
+            if (cover(l, old_[i]))
+                continue;
+            if (old_[i].was_over <= 0.0)
+                return false;
+            Piece *owner = vertex_ >= 0 ? &new_[i] : nearest(l, old_[i].patch);
+            if (!owner)
+                return false;
+            if (vertex_ < 0)
+                handed_.push_back({l, owner->key});
+            const Vec3 &point = guide_.landmarks()[l].point;
+            const Vec3 foot = closest_on(owner->corners, point);
+            farther(*owner, norm(point - foot) / guide_.tolerance() - 1.0, foot, point - foot);
+        }
+    }
+    return true;
+}
+
+/// The facet that comes nearest to a landmark that none covers.
+SurfaceWatch::Piece *SurfaceWatch::nearest(int landmark, int patch) {
+    const Vec3 &point = guide_.landmarks()[landmark].point;
+    Piece *best = nullptr;
+    double distance = std::numeric_limits<double>::infinity();
+    for (Piece &piece : new_) {
+        const double here = norm(point - closest_on(piece.corners, point));
+        if (piece.patch != patch || here >= distance)
+            continue;
+        distance = here;
+        best = &piece;
+    }
+    return best;
+}
+
+/// Find a facet that covers a landmark its owner does not any more: one that comes, or one beside the owner.
+bool SurfaceWatch::cover(int landmark, const Piece &owner) {
+    for (const Piece &piece : new_)
+        if (piece.patch == owner.patch && guide_.covers(piece.corners, landmark)) {
+            handed_.push_back({landmark, piece.key});
+            return true;
+        }
+    for (int v : owner.key) {
+        if (v == vertex_)
+            continue;
+        complex_.surface_at(v, facets_, patches_);
+        for (std::size_t k = 0; k < facets_.size(); ++k) {
+            const Facet &key = facets_[k];
+            if (patches_[k] != owner.patch ||
+                std::any_of(old_.begin(), old_.end(), [&](const Piece &p) { return p.key == key; }))
+                continue;
+            if (guide_.covers({complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])}, landmark)) {
+                handed_.push_back({landmark, key});
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+} // namespace wct

@@ -1,0 +1,73 @@
+#pragma once
+
+#include "surface_guide.h"
+#include "tet_complex.h"
+
+#include <array>
+#include <vector>
+
+namespace wct {
+
+/// Keeps the surface facets of a complex and the surface they stand for within the tolerance of each other, both ways,
+/// while facets move or are replaced: the facets by where they are, the surface by its landmarks, each of which is
+/// owned by a facet that covers it. A facet that was beyond the tolerance from the start may stay so, but not get
+/// farther.
+class SurfaceWatch {
+  public:
+    SurfaceWatch(TetComplex &complex, const SurfaceGuide &guide) : complex_(complex), guide_(guide) {}
+
+    /// Give every landmark to the nearest facet, and note which facets are beyond the tolerance.
+    void begin();
+
+    // Replacing facets: clear, name those that go and those that come, ask, and only then carry out.
+    void clear();
+    void goes(const Facet &key, int patch);
+    void comes(const Facet &key, int patch);
+    bool allows_replacing();
+    /// Add the facets that come, hand them the landmarks, and remove those that go. The energies of tets at facets that
+    /// stay over are then to be measured anew: true if there are such facets.
+    bool replace();
+
+    /// Moving vertex v: name it, ask about places for it, and settle at one that was allowed.
+    void gather(int v);
+    bool allows(const Vec3 &x);
+    void settle(const Vec3 &x);
+    /// What facets beyond the tolerance cost at the place asked about last: the sum of 1 + over, and its gradient with
+    /// respect to the vertex.
+    double cost(Vec3 *gradient) const;
+
+  private:
+    struct Piece {
+        Facet key;
+        int patch;
+        bool planar;
+        std::array<Vec3, 3> corners;
+        unsigned edges = 7; // those to be looked at along their length
+        double was_over = 0.0;
+        double over = 0.0;
+        Vec3 pull; // gradient of over with respect to the moving vertex
+        SurfaceHints hints{};
+    };
+    struct Handed {
+        int landmark;
+        Facet to;
+    };
+    Piece piece(const Facet &key, int patch) const;
+    void skip_known_edges();
+    bool landmarks_covered();
+    bool cover(int landmark, const Piece &owner);
+    Piece *nearest(int landmark, int patch);
+    void farther(Piece &piece, double over, const Vec3 &at, const Vec3 &to_surface) const;
+
+    TetComplex &complex_;
+    const SurfaceGuide &guide_;
+    int vertex_ = -1; // that moves, or -1 while facets are replaced
+    std::vector<Piece> old_;
+    std::vector<Piece> new_;
+    std::vector<Handed> handed_;
+    Vec3 asked_; // the place asked about last
+    std::vector<Facet> facets_;
+    std::vector<int> patches_;
+};
+
+} // namespace wct
