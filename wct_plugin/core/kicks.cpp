@@ -19,6 +19,29 @@ void Kicks::ball(const Vec3 &center, double radius, int vertex, std::vector<int>
                 }
 }
 
+void Kicks::open_wedges(int t) {
+    constexpr double acute = 0.02; // cosine below which a facet between two creases counts as not acute
+    const Tet tet = complex_.tet(t);
+    for (int c : tet) {
+        if (complex_.vertex(c).stratum != Stratum::corner)
+            continue;
+        std::vector<Edge> opposite;
+        for (int s : complex_.star(c))
+            for (const auto &edge : kEdges) {
+                const int a = complex_.tet(s)[edge[0]], b = complex_.tet(s)[edge[1]];
+                if (a == c || b == c || complex_.curve_of(a, c) < 0 || complex_.curve_of(b, c) < 0)
+                    continue;
+                const Vec3 p = complex_.point(a) - complex_.point(c), q = complex_.point(b) - complex_.point(c);
+                if (dot(p, q) < acute * norm(p) * norm(q))
+                    opposite.push_back(sorted(a, b));
+            }
+        std::sort(opposite.begin(), opposite.end());
+        opposite.erase(std::unique(opposite.begin(), opposite.end()), opposite.end());
+        for (const auto &[a, b] : opposite)
+            operators_.split(a, b, std::numeric_limits<double>::infinity());
+    }
+}
+
 void Kicks::shake(int t, const Kick &kick) {
     const Tet tet = complex_.tet(t);
     const Vec3 center =
@@ -32,6 +55,8 @@ void Kicks::shake(int t, const Kick &kick) {
     for (int v : vertices)
         if (random_.coin())
             descent_.nudge(v, complex_.point(v) + (kick.sigma * complex_.vertex(v).size) * random_.normal3());
+    if (random_.coin())
+        open_wedges(t);
     for (int k = 0; k < kick.operators; ++k) {
         const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
         if (complex_.used(v))
@@ -95,9 +120,17 @@ bool Kicks::once() {
     const Vec3 center =
         0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
     const double radius = (kick.wide ? 4.6 : 3.5) * complex_.vertex(tet[0]).size;
+    // Where nothing has helped, the mesh may be too coarse: allow finer edges, and no coarser ones.
+    constexpr double finer = 0.65;
+    const double scale = failures >= patience / 4 && random_.coin() ? finer : 1.0;
+    operators_.shortest *= scale;
+    operators_.longest *= scale;
     complex_.mark();
     shake(t, kick);
-    if (!repair(kick, center, radius)) {
+    const bool keep = repair(kick, center, radius);
+    operators_.shortest /= scale;
+    operators_.longest /= scale;
+    if (!keep) {
         complex_.rollback();
         agenda_.failed(t);
         return false;

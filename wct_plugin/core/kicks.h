@@ -31,6 +31,9 @@ class Kicks {
         bool wide; // repaired farther out, and longer
     };
     void ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out);
+    /// Two creases that meet in a corner at a right or obtuse angle span no acute facet: split every edge at the
+    /// corners of t that closes such a facet. Chance finds this seldom, since all wedges of a corner must open at once.
+    void open_wedges(int t);
     void shake(int t, const Kick &kick);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
     /// has been tried before.

@@ -143,11 +143,19 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         return !outcome_.stopped;
     };
     watch_.begin();
+    constexpr int cycle = 3;      // passes, one of each recipe
+    constexpr double worth = 0.9; // what a cycle must bring the bad tets down to for another to begin
+    double before = std::numeric_limits<double>::infinity();
     for (int k = 0; k < options_.passes; ++k) {
-        adopt(k % 3 == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
+        adopt(k % cycle == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
         if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0)
             break;
-        sweep(k % 3);
+        if (k % cycle == 0) {
+            if (outcome_.bad > worth * before)
+                break;
+            before = outcome_.bad;
+        }
+        sweep(k % cycle);
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));

@@ -197,19 +197,26 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
 
 bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
     const BoundingTree<3> &tree = patches_[patch].tree;
-    const double inside = kInside * tolerance_;
-    for (int k = 0; k < kInner; ++k) { // what is not near is mostly not near here
-        const std::int32_t found = tree.within(blend(kWeights[k], corners), inside * inside, hints[k]);
-        if (found < 0)
+    const double inside = kInside * kInside * tolerance_ * tolerance_;
+    const auto sample_near = [&](int k) {
+        const std::int32_t found = tree.within(blend(kWeights[k], corners), inside, hints[k]);
+        if (found >= 0)
+            hints[k] = found;
+        return found >= 0;
+    };
+    if (!sample_near(0))
+        return false;
+    const Vec3 n = normal_of(corners);
+    const Vec3 m = normal_of(tree.pieces()[hints[0]]);
+    if (std::abs(dot(n, m)) < 0.6 * norm(n) * norm(m))
+        return false;
+    // What is not near is mostly not near in the middle of an edge, or else inside; the whole length comes last.
+    for (int k = 0; k < 3; ++k)
+        if (edges >> k & 1u && !sample_near(kInner + k))
             return false;
-        hints[k] = found;
-        if (k > 0)
-            continue;
-        const Vec3 n = normal_of(corners);
-        const Vec3 m = normal_of(tree.pieces()[found]);
-        if (std::abs(dot(n, m)) < 0.6 * norm(n) * norm(m))
+    for (int k = 1; k < kInner; ++k)
+        if (!sample_near(k))
             return false;
-    }
     for (int k = 0; k < 3; ++k)
         if (edges >> k & 1u && !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], tolerance_,
                                                 hints[kSamples + 2 * k], hints[kSamples + 2 * k + 1]))

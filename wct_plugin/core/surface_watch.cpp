@@ -146,6 +146,7 @@ void SurfaceWatch::gather(int v) {
         old_.push_back(one);
     }
     new_ = old_;
+    suspect_ = 0;
     skip_known_edges();
     asked_ = complex_.point(v);
     handed_.clear();
@@ -165,22 +166,31 @@ bool SurfaceWatch::allows(const Vec3 &x) {
         if (dot(was, is) <= kUnfolded * norm(was) * norm(is))
             return false;
     }
-    for (Piece &piece : new_) {
-        piece.over = 0.0;
-        piece.pull = {};
-        if (piece.planar ||
-            guide_.near(piece.patch, piece.corners, piece.was_over > 0.0 ? 7u : piece.edges, piece.hints))
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+        const std::size_t k = (suspect_ + i) % new_.size(); // what was refused last is likely to be refused again
+        if (near(new_[k]))
             continue;
-        if (piece.was_over <= 0.0)
-            return false;
-        const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints);
-        const auto &[a, b, c] = piece.corners;
-        farther(piece, gap.distance / guide_.tolerance() - 1.0,
-                gap.weights.x * a + gap.weights.y * b + gap.weights.z * c, gap.to_surface);
+        suspect_ = k;
+        return false;
     }
     if (!landmarks_covered())
         return false;
     return std::none_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > p.was_over * (1.0 + 1e-9); });
+}
+
+/// Whether the piece is near the surface, or was not from the start: then how far it is.
+bool SurfaceWatch::near(Piece &piece) const {
+    piece.over = 0.0;
+    piece.pull = {};
+    if (piece.planar || guide_.near(piece.patch, piece.corners, piece.was_over > 0.0 ? 7u : piece.edges, piece.hints))
+        return true;
+    if (piece.was_over <= 0.0)
+        return false;
+    const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints);
+    const auto &[a, b, c] = piece.corners;
+    farther(piece, gap.distance / guide_.tolerance() - 1.0, gap.weights.x * a + gap.weights.y * b + gap.weights.z * c,
+            gap.to_surface);
+    return true;
 }
 
 /// The piece is over by this much where its point `at` should go `to_surface`.

@@ -54,6 +54,7 @@ class SurfaceWatch {
     };
     Piece piece(const Facet &key, int patch) const;
     void skip_known_edges();
+    bool near(Piece &piece) const;
     bool landmarks_covered();
     bool cover(int landmark, const Piece &owner);
     Piece *nearest(int landmark, int patch);
@@ -66,6 +67,7 @@ class SurfaceWatch {
     std::vector<Piece> new_;
     std::vector<Handed> handed_;
     Vec3 asked_; // the place asked about last
+    std::size_t suspect_ = 0;
     std::vector<Facet> facets_;
     std::vector<int> patches_;
 };
