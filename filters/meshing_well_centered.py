@@ -13,7 +13,7 @@ from wct_plugin.adapters import meshio
 from wct_plugin.deviation import deviation
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import Reference, given_surface, own_boundary
+from wct_plugin.reference import Reference, bounds, gap, given_surface, own_boundary
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 from wct_plugin.transfer import Resampled, carry
 
@@ -92,11 +92,16 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             else own
         )
         tolerance = (options.tolerance or reference.auto_tolerance()) * reference.diagonal
+        held = tolerance
+        if reference is not own and not bounds(reference, own):
+            # The mesh's own boundary stands in for it, and what lies between the two comes off the tolerance.
+            held -= gap(own, reference, tolerance)
+            reference = own
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
         listen = _Listener(progress)
         start = None
         if moves and not sheets:
-            start = self._resample(mesh, reference, tolerance, listen)
+            start = self._resample(mesh, reference, held, listen)
         if start is None:
             reference = own
             start = _from_mesh(mesh, own, options.boundary)
@@ -107,8 +112,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             surface_patch=reference.strata.patch,
             surface_segments=reference.strata.segments,
             surface_curve=reference.strata.curve,
-            tolerance=_HELD * tolerance,
-            shell=_SHELL * tolerance,
+            tolerance=_HELD * held,
+            shell=_SHELL * held,
             acute=options.goal == "cwc",
             margin=options.margin,
             flip_surface=options.boundary != "fixed",
@@ -174,9 +179,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             seed=options.seed + 1,
             progress=listen.resample,
         )
-        if len(found["exposed"]) or len(found["pinched"]):
-            return None
         stratum = found["stratum"]
+        # At corners sheets of the input itself may touch.
+        if len(found["exposed"]) or (stratum[found["pinched"]] < 3).any():
+            return None
         return {
             "points": found["points"],
             "tets": found["tets"],
