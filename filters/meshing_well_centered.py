@@ -16,12 +16,12 @@ from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
-from wct_plugin.reference import Reference, own_boundary
+from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
-from wct_plugin.surface import strata
+from wct_plugin.surface import pinched, strata
 from wct_plugin.transfer import Resampled, carry
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
@@ -108,29 +108,30 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         wanted = edge_length.at_points(options.edge_length, mesh)
         moves = options.boundary == "move"
         own = own_boundary(mesh, options.crease_angle)
+        diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
             reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
+        tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
         if reason:
             warnings.warn(
                 f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
                 WctWarning,
                 stacklevel=2,
             )
-        diagonal = (surface or mesh).diagonal
-        tolerance = (options.tolerance or reference.auto_tolerance()) * diagonal
+            held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
         measured = quality.measure(mesh)
         listen = _Listener(progress, self._bad(measured))
         start = None
         if moves and not sheets:
-            start = self._resample(mesh, reference, tolerance, wanted, listen)
+            start = self._resample(mesh, reference, held, wanted, listen)
         if start is None or listen.stopped:
             reference = own
             start = _from_mesh(mesh, own, options.boundary)
             if wanted is not None:
                 start["size"] = wanted
-        found = self._search(start, reference, tolerance, listen)
+        found = self._search(start, reference, held, listen)
         better = carry(mesh, own.strata, _resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
@@ -213,9 +214,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             seed=options.seed + 1,
             progress=listen.resample,
         )
-        if len(found["exposed"]) or len(found["pinched"]):
-            return None
         stratum = found["stratum"]
+        touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
+        if len(found["exposed"]) or (stratum[touching] < 3).any():
+            return None
+        if not pinched(reference.strata.triangles, len(reference.points))[found["label"][touching]].all():
+            return None
         return {
             "points": found["points"],
             "tets": found["tets"],

@@ -5,7 +5,7 @@ import pytest
 from builders import ball, kuhn_cube, sphere_surface, two_region_cube
 
 from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.reference import TOLERANCE, given_surface, own_boundary
+from wct_plugin.reference import TOLERANCE, bounds, gap, given_surface, own_boundary
 from wct_plugin.surface import enclosed_volume
 
 
@@ -44,3 +44,30 @@ def test_a_given_surface_is_cleaned():
     assert enclosed_volume(reference.points, reference.strata.triangles) == pytest.approx(outward, rel=1e-12)
     assert (reference.strata.patch == 0).all()
     assert np.array_equal(reference.sides, [[0, -1]])
+
+
+def _with_more(surface, points, triangles):
+    return SurfaceMesh(
+        np.concatenate([surface.points, points]),
+        np.concatenate([surface.triangles, np.asarray(triangles) + len(surface.points)]),
+    )
+
+
+def test_a_surface_bounds_a_mesh_unless_it_has_holes_or_runs_on_inside():
+    mesh, surface = ball(4), sphere_surface(400)
+    own = own_boundary(mesh, 60.0)
+    small = sphere_surface(60, 0.4)
+    opened = SurfaceMesh(surface.points, surface.triangles[1:])
+    inside = _with_more(surface, small.points, small.triangles)
+    assert bounds(given_surface(surface, mesh, 60.0), own)
+    assert not bounds(given_surface(opened, mesh, 60.0), own)
+    assert not bounds(given_surface(inside, mesh, 60.0), own)
+
+
+def test_the_gap_is_what_lies_between_mesh_and_surface():
+    mesh = kuhn_cube(4)
+    own = own_boundary(mesh, 40.0)
+    boundary = mesh.boundary_surface()
+    shifted = SurfaceMesh(boundary.points + np.array([1e-3, 0.0, 0.0]), boundary.triangles)
+    assert gap(own, shifted, 5e-3) == pytest.approx(1e-3, rel=1e-6)
+    assert gap(own, shifted, 1.5e-3) == pytest.approx(0.75e-3, rel=1e-6)

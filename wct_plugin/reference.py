@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin import _core
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_strata
 
@@ -81,6 +82,30 @@ def clean(surface: SurfaceMesh) -> SurfaceMesh:
         triangles = triangles[:, ::-1].copy()
     used, place = np.unique(triangles, return_inverse=True)
     return SurfaceMesh(points[used], place.reshape(-1, 3), tags)
+
+
+def bounds(surface: Reference, own: Reference) -> bool:
+    """Whether a given surface is the boundary of the mesh whose own boundary is ``own``: closed, and all of it outside.
+
+    Scans have holes that the mesher closed, and sheets that run on inside the body. Where a facet of the surface lies
+    deeper in or farther off than a chord across a bend could explain, a quarter of the mesh's edge, it bounds nothing.
+    """
+    triangles = surface.strata.triangles
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    if (np.unique(ends, axis=0, return_counts=True)[1] % 2).any():
+        return False
+    shell = own.points[own.strata.triangles]
+    edge = np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)
+    _, nearest, far = _core.closest_points(own.points, own.strata.triangles, surface.points[triangles].mean(axis=1))
+    return bool((far <= 0.25 * edge[nearest]).all())
+
+
+def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:
+    """How far the mesh's own boundary is from the surface where it follows it at all, at most half the tolerance."""
+    triangles = own.strata.triangles
+    samples = np.concatenate([own.points[np.unique(triangles)], own.points[triangles].mean(axis=1)])
+    far = _core.closest_points(surface.points, surface.triangles, samples)[2]
+    return float(min(far[far <= tolerance].max(initial=0.0), tolerance / 2))
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from wct_plugin import _core
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import TOLERANCE, Reference, clean, given_surface
+from wct_plugin.reference import TOLERANCE, Reference, bounds, clean, given_surface
 from wct_plugin.surface import bends, labelled_surface, surface_strata
 
 Floats = NDArray[np.float64]
@@ -24,12 +24,15 @@ def choose(
     A mesh of one region without tags takes the surface as it is. Facets tagged on the boundary cut it: every triangle
     of the surface gets the tags of the nearest facet, if the borders between tags then run where they do on the mesh.
     """
+    given = given_surface(surface, mesh, crease_angle)
+    if not bounds(given, own):
+        return own, "it does not bound the mesh, but has holes or lies inside in places"
     if len(own.regions) > 1:
         return own, "the mesh has several regions"
     if len(mesh.edges) or len(mesh.nodes):
         return own, "the mesh has tagged edges or vertices"
     if not len(mesh.facets):
-        return given_surface(surface, mesh, crease_angle), ""
+        return given, ""
     triangles, label = labelled_surface(mesh)
     if len(triangles) > len(mesh.topology.boundary):
         return own, "the mesh has tagged facets inside"

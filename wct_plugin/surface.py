@@ -222,6 +222,12 @@ def _angle(a: Floats, b: Floats) -> Floats:
     return angle
 
 
+def pinched(triangles: Ints, count: int) -> Bools:
+    """(count,) vertices of triangles (t, 3) where several sheets touch without sharing an edge."""
+    edges, owners, starts, sizes, _ = _surface_edges(triangles, count)
+    return _pinched(triangles, owners, starts, sizes, edges, count)
+
+
 def _pinched(triangles: Ints, owners: Ints, starts: Ints, sizes: Ints, edges: Ints, count: int) -> Bools:
     """(n,) vertices whose triangles fall into sheets that share no edge at the vertex."""
     follows = np.ones(len(owners), dtype=bool)

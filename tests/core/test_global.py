@@ -170,6 +170,46 @@ def test_seeds_keep_their_distance(cube):
     assert 0.8 < np.median(length) < 1.1
 
 
+def test_facets_keep_the_tolerance_of_a_coarsely_faceted_surface():
+    # 14-gon tubes: bends of 26 degrees, a sag of their own near the tolerance; every edge is a ridge to be bridged.
+    u, v = 28, 14
+    surface, triangles, _ = torus(u, v)
+    points = np.concatenate([surface, [[np.cos(s), np.sin(s), 0.0] for s in np.arange(u) * 2 * np.pi / u]])
+    tets = []
+    for i in range(u):
+        for j in range(v):
+            k, m = (i + 1) % u, (j + 1) % v
+            a, b, c, d = i * v + j, k * v + j, k * v + m, i * v + m
+            p, q = u * v + i, u * v + k
+            tets += [(a, b, c, q), (a, c, d, q), (a, d, p, q)]  # an axis segment, and the two triangles of a quad
+    tets = np.array(tets)
+    flip = volumes(points, tets) < 0
+    tets[flip] = tets[flip][:, [0, 1, 3, 2]]
+    tolerance = 0.02
+    result = _core.resample(
+        surface,
+        triangles,
+        np.zeros(len(triangles), dtype=np.int64),
+        np.empty((0, 2), dtype=np.int64),
+        np.empty(0, dtype=np.int64),
+        np.empty(0, dtype=np.int64),
+        np.array([[0, -1]]),
+        points,
+        tets,
+        np.zeros(len(tets), dtype=np.int64),
+        tolerance,
+    )
+    facets = boundary(result["tets"])
+    n = 12
+    weights = np.array([(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]) / n
+    samples = np.einsum("wk,tkd->twd", weights, result["points"][facets])
+    far = _core.closest_points(surface, triangles, samples.reshape(-1, 3))[2].reshape(len(facets), -1).max(axis=1)
+    assert (far > tolerance).mean() < 0.01
+    back = _core.closest_points(result["points"], facets, surface)[2]
+    assert (back > tolerance).mean() < 0.01
+    assert volumes(result["points"], result["tets"]).sum() == pytest.approx(volumes(points, tets).sum(), rel=5e-3)
+
+
 def test_same_input_same_bits():
     points, tets = box(4)
     region = np.zeros(len(tets), dtype=np.int64)

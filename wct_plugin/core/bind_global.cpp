@@ -134,9 +134,6 @@ GlobalForm form_of(nb::dict options) {
     take(options, "trials", form.trials);
     take(options, "trial_sweeps", form.trial_sweeps);
     take(options, "target", form.target);
-    take(options, "fit_target", form.fit_target);
-    take(options, "fit_pull", form.fit_pull);
-    take(options, "fit_weight", form.fit_weight);
     take(options, "margin3", form.energy.margin3);
     take(options, "margin2", form.energy.margin2);
     take(options, "weight2", form.energy.weight2);

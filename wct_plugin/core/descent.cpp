@@ -56,8 +56,8 @@ class Objective {
         tets_ = std::move(kept);
     }
 
-    /// Of points in units of their sizes. Infinite where a tet would become degenerate; `blocked` then holds the corners
-    /// of all such tets.
+    /// Of points in units of their sizes. Infinite where a tet would become degenerate; `blocked` then holds the
+    /// corners of all such tets.
     double operator()(const Field &scaled, Field &gradient, std::vector<int> &blocked) {
         points_.resize(scaled.size());
         for (std::size_t i = 0; i < scaled.size(); ++i)

@@ -85,6 +85,14 @@ void refresh_sizes(Cloud &cloud, const Sizing &sizing) {
         cloud.size[i] = sizing.at(cloud.points[i]);
 }
 
+/// Points where the domain is not represented, but for corners: sheets of the input itself may touch there.
+std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
+    std::vector<int> lost = flaws.exposed;
+    lost.insert(lost.end(), flaws.pinched.begin(), flaws.pinched.end());
+    std::erase_if(lost, [&](int v) { return cloud.role[v] == Stratum::corner; });
+    return lost;
+}
+
 /// Interior points that lie open on the surface become surface points.
 bool promote(Cloud &cloud, const Reference &reference, const Flaws &flaws) {
     for (const int v : flaws.exposed) {
@@ -149,6 +157,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     bool first = true;
     int since = 0;
     std::size_t least_off = 0;
+    bool intact = false;
     for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
         settle(cloud, reference, shell, direction);
         complex = restricted_delaunay(cloud, reference, map);
@@ -164,10 +173,11 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
         fit_heights(cloud, reference, ties, direction, fit);
         const Tally tally = count_bad(cloud, complex, form.cosines);
-        const bool sound = flaws.none();
-        const std::size_t off = count_off(cloud, ties, 0.86 * form.sizing.tolerance);
-        if (first || std::pair(!sound, tally.bad + off) < std::pair(!result.flaws.none(), result.tally.bad + least_off)) {
+        const bool sound = lost_points(cloud, flaws).empty();
+        const std::size_t off = count_off(cloud, ties, form.held * form.sizing.tolerance);
+        if (first || std::pair(!sound, tally.bad + off) < std::pair(!intact, result.tally.bad + least_off)) {
             least_off = off;
+            intact = sound;
             result.cloud = cloud;
             result.complex = complex;
             result.flaws = flaws;
@@ -183,8 +193,9 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         EnergyForm energy = form.energy;
         if (!form.cosines)
             energy.weight2 = 0.0;
-        const std::size_t evaluations = descend(cloud, complex, direction, energy, form.edge,
-                                                curved_points(cloud, reference), fit, ties, form.iterations, form.reach);
+        const std::size_t evaluations =
+            descend(cloud, complex, direction, energy, form.edge, curved_points(cloud, reference), fit, ties,
+                    form.iterations, form.reach);
         monitor.work(evaluations, static_cast<double>(round) / form.rounds);
     }
     lap("descent");

@@ -34,9 +34,10 @@ struct GlobalForm {
     double reach = 0.1;  // longest step of a point, in sizes
     int trials = 1;      // of the deviation, before the real run
     int trial_sweeps = 8;
-    double target = 0.85; // of the tolerance, for the mean facet
-    double fit_target = 0.7;
-    double fit_weight = 0.1;
+    double target = 0.85;    // of the tolerance, for the mean facet
+    double held = 0.86;      // share of the tolerance beyond which a facet counts as off, as in the local search
+    double fit_target = 0.7; // share that costs nothing: between samples facets are farther off
+    double fit_weight = 0.1; // against the tets' energies; ten times that doubles the bad tets and gains little
     double fit_pull = 0.02;
     bool cosines = true;
     EdgeForm edge;

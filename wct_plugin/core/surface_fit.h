@@ -20,7 +20,7 @@ struct Tie {
 
 /// How facets over curved patches are held near the reference.
 struct FitForm {
-    double limit = 0.0; // distance that costs nothing
+    double limit = 0.0;  // distance that costs nothing
     double weight = 0.1; // of (distance / limit - 1)^2 in the descent
     double pull = 0.02;  // of points towards their offset, relative to that
     double shell = 0.0;  // greatest distance of a point
@@ -30,8 +30,8 @@ struct FitForm {
 /// reference to the facet nearest to it, so that no peak sticks out between chords.
 std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference);
 
-/// Raise and lower the points of curved patches along their normals (`direction`) to where the ties are within the limit
-/// as far as possible, near their offsets otherwise.
+/// Raise and lower the points of curved patches along their normals (`direction`) to where the ties are within the
+/// limit as far as possible, near their offsets otherwise.
 void fit_heights(Cloud &cloud, const Reference &reference, const std::vector<Tie> &ties,
                  const std::vector<Vec3> &direction, const FitForm &form);
 
