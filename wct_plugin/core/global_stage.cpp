@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <map>
 
 namespace wct {
 
@@ -57,11 +59,55 @@ void learn(const Deviation &deviation, Sizing &sizing, std::vector<double> &corr
     sizing.grade();
 }
 
+/// Drop crease points that crowd another of their curve, or its end, and patch points that crowd a crease: the descent
+/// may push them together where a curve cannot be recovered. True if any did.
+bool thin_creases(Cloud &cloud, const Reference &reference) {
+    constexpr double share = 0.2; // of the size
+    std::map<int, double> corners; // vertex of the reference -> size
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == Stratum::corner)
+            corners[cloud.label[i]] = cloud.size[i];
+    std::map<int, PointGrid> grids;
+    for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c) {
+        const Curve &curve = reference.curves()[c];
+        if (!curve.closed && !curve.vertices.empty())
+            for (const int end : {curve.vertices.front(), curve.vertices.back()})
+                if (const auto found = corners.find(end); found != corners.end())
+                    grids[c].add(reference.data().points[end], share * found->second);
+    }
+    std::vector<char> keep(cloud.count(), 1);
+    bool any = false;
+    PointGrid creases;
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+        if (cloud.role[i] == Stratum::corner)
+            creases.add(cloud.points[i], share * cloud.size[i]);
+        if (cloud.role[i] != Stratum::crease)
+            continue;
+        PointGrid &grid = grids[cloud.label[i]];
+        const double radius = share * cloud.size[i];
+        if (grid.crowded(cloud.points[i], radius)) {
+            keep[i] = 0;
+            any = true;
+        } else {
+            grid.add(cloud.points[i], radius);
+            creases.add(cloud.points[i], radius);
+        }
+    }
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == Stratum::patch && creases.crowded(cloud.points[i], share * cloud.size[i])) {
+            keep[i] = 0;
+            any = true;
+        }
+    if (any)
+        cloud.keep(keep);
+    return any;
+}
+
 /// Every boundary point on its stratum, no two at one place.
 void settle(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction) {
     do
         retract_to_shell(cloud, reference, shell, direction);
-    while (drop_twins(cloud));
+    while (drop_twins(cloud) || thin_creases(cloud, reference));
 }
 
 /// Points whose surface edges cut across a bend.
@@ -93,13 +139,29 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
     return lost;
 }
 
-/// Interior points that lie open on the surface become surface points.
-bool promote(Cloud &cloud, const Reference &reference, const Flaws &flaws) {
+/// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
+/// would press the surface points round them into flat tets.
+bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, const Flaws &flaws) {
+    constexpr double crowded = 0.5; // of the size
+    std::vector<double> room(cloud.count(), std::numeric_limits<double>::infinity()); // to the nearest surface point
+    std::vector<char> open(cloud.count(), 0), keep(cloud.count(), 1);
+    for (const int v : flaws.exposed)
+        open[v] = 1;
+    for (const auto &tet : complex.all.tets)
+        for (const int v : tet)
+            for (const int w : tet)
+                if (open[v] && cloud.role[w] != Stratum::interior)
+                    room[v] = std::min(room[v], norm(cloud.points[v] - cloud.points[w]));
     for (const int v : flaws.exposed) {
+        if (room[v] < crowded * cloud.size[v]) {
+            keep[v] = 0;
+            continue;
+        }
         const Foot foot = reference.nearest(cloud.points[v]);
         cloud.role[v] = Stratum::patch;
         cloud.label[v] = reference.data().patch[foot.triangle];
     }
+    cloud.keep(keep);
     return !flaws.exposed.empty();
 }
 
@@ -163,7 +225,11 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         complex = restricted_delaunay(cloud, reference, map);
         Flaws flaws = find_flaws(cloud, complex);
         for (int pass = 0; pass < 4; ++pass) {
-            const bool promoted = promote(cloud, reference, flaws);
+            const bool promoted = promote(cloud, reference, complex, flaws);
+            if (promoted) { // points may have gone, and with them the complex's numbers
+                settle(cloud, reference, shell, direction);
+                complex = restricted_delaunay(cloud, reference, map);
+            }
             if (recover_creases(cloud, reference, complex) == 0 && !promoted)
                 break;
             settle(cloud, reference, shell, direction);

@@ -84,6 +84,15 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
     return most;
 }
 
+/// The surface's points, each with this share of its size for radius.
+PointGrid surface_grid(const Cloud &cloud, double share) {
+    PointGrid grid;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] != Stratum::interior)
+            grid.add(cloud.points[i], share * cloud.size[i]);
+    return grid;
+}
+
 int mend(Cloud &cloud, const Reference &reference, const Complex &complex, double longest, double shortest) {
     std::vector<std::pair<double, std::array<int, 2>>> far;
     std::vector<std::pair<double, std::array<int, 2>>> near;
@@ -95,6 +104,7 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
         else if (length < shortest && (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
             near.emplace_back(length, edge);
     }
+    PointGrid grid = surface_grid(cloud, 0.5);
     int changes = 0;
     std::vector<char> keep(cloud.count(), 1);
     std::vector<char> touched(cloud.count(), 0);
@@ -113,16 +123,23 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
         const int patch = common_patch(cloud, reference, v, w);
         if (touched[v] || touched[w] || patch < 0)
             continue;
-        touched[v] = touched[w] = 1;
         Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);
         reference.to_patch(middle, patch);
-        cloud.add(middle, Stratum::patch, patch, 0.5 * (cloud.size[v] + cloud.size[w]));
+        const double size = 0.5 * (cloud.size[v] + cloud.size[w]);
+        if (grid.crowded(middle, 0.5 * size))
+            continue; // the edge is long because the surface is wrong here, not for want of points
+        grid.add(middle, 0.5 * size);
+        touched[v] = touched[w] = 1;
+        cloud.add(middle, Stratum::patch, patch, size);
         keep.push_back(1);
         ++changes;
     }
     cloud.keep(keep);
     return changes;
 }
+
+/// Crease points are not put closer than half of this, in sizes.
+constexpr double kClosest = 0.5;
 
 int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex) {
     struct Stop {
@@ -140,6 +157,7 @@ int recover_creases(Cloud &cloud, const Reference &reference, const Complex &com
         stops[cloud.label[i]].push_back({foot.step + foot.along, static_cast<int>(i)});
     }
     const auto edges = surface_edges(complex);
+    PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
     int added = 0;
     for (std::size_t c = 0; c < stops.size(); ++c) {
         const Curve &curve = reference.curves()[c];
@@ -147,28 +165,34 @@ int recover_creases(Cloud &cloud, const Reference &reference, const Complex &com
             continue;
         auto &chain = stops[c];
         std::sort(chain.begin(), chain.end(), [](const Stop &a, const Stop &b) { return a.at < b.at; });
-        std::vector<int> order;
-        const auto end_point = [&](int vertex) {
+        const auto steps = static_cast<double>(curve.steps());
+        const auto end_stop = [&](int vertex, double at) {
             const auto found = corner.find(vertex);
-            if (found != corner.end())
-                order.push_back(found->second);
+            return found == corner.end() ? std::vector<Stop>{} : std::vector<Stop>{{at, found->second}};
         };
-        if (!curve.closed)
-            end_point(curve.vertices.front());
-        for (const Stop &stop : chain)
-            order.push_back(stop.point);
-        if (curve.closed && !order.empty())
-            order.push_back(order.front());
-        else
-            end_point(curve.vertices.back());
-        for (std::size_t k = 0; k + 1 < order.size(); ++k) {
-            const std::array<int, 2> edge{std::min(order[k], order[k + 1]), std::max(order[k], order[k + 1])};
-            if (edge[0] == edge[1] || std::binary_search(edges.begin(), edges.end(), edge))
+        if (curve.closed && !chain.empty()) {
+            chain.push_back({chain.front().at + steps, chain.front().point});
+        } else if (!curve.closed) {
+            const auto first = end_stop(curve.vertices.front(), 0.0), last = end_stop(curve.vertices.back(), steps);
+            chain.insert(chain.begin(), first.begin(), first.end());
+            chain.insert(chain.end(), last.begin(), last.end());
+        }
+        for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+            const int v = chain[k].point, w = chain[k + 1].point;
+            if (v == w || std::binary_search(edges.begin(), edges.end(), std::array{std::min(v, w), std::max(v, w)}))
                 continue;
-            const Vec3 middle = 0.5 * (cloud.points[edge[0]] + cloud.points[edge[1]]);
-            const double size = 0.5 * (cloud.size[edge[0]] + cloud.size[edge[1]]);
-            if (norm(cloud.points[edge[0]] - cloud.points[edge[1]]) < 0.1 * size)
+            const double size = 0.5 * (cloud.size[v] + cloud.size[w]);
+            if (norm(cloud.points[v] - cloud.points[w]) < kClosest * size)
                 continue; // splitting again and again would not help
+            // Half-way along the curve: half-way between the points may be nearer to some other part of it.
+            const double at = 0.5 * (chain[k].at + chain[k + 1].at);
+            const int step = static_cast<int>(at);
+            const double along = at - step;
+            const Vec3 middle = (1.0 - along) * reference.data().points[curve.at(step)] +
+                                along * reference.data().points[curve.at(step + 1)];
+            if (grid.crowded(middle, 0.4 * kClosest * size))
+                continue;
+            grid.add(middle, 0.4 * kClosest * size);
             cloud.add(middle, Stratum::crease, static_cast<int>(c), size);
             ++added;
         }

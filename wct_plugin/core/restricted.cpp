@@ -42,29 +42,39 @@ bool share_curved_patch(const Cloud &cloud, const Reference &reference, const st
     return std::any_of(common.begin(), common.end(), [&](int p) { return !reference.planar(p); });
 }
 
-/// Take slivers off curved patches from outside: each has two facets on the boundary, and the two others take over.
+/// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
+/// over, or one is, and the point under it that should be on the surface comes to light.
 void peel(const Cloud &cloud, const Reference &reference, Complex &complex, std::vector<int> candidates) {
-    bool again = true;
-    while (again) {
+    std::vector<int> open(cloud.count(), 0); // per point: its facets on the boundary
+    const auto count = [&](int t, int i, int change) {
+        for (const int v : complex.facet(t, i))
+            open[v] += change;
+    };
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            if (complex.region[t] >= 0 && complex.beyond(t, i) < 0)
+                count(t, i, 1);
+    std::erase_if(candidates, [&](int t) {
+        return flatness(cloud.points, complex.all.tets[t]) >= kSliver ||
+               !share_curved_patch(cloud, reference, complex.all.tets[t]);
+    });
+    for (bool again = true; again;) { // tets that were covered may lie open now
         again = false;
         for (int &t : candidates) {
-            if (t < 0)
-                continue;
-            int outside = 0;
+            int outside = 0, facet = -1;
             for (int i = 0; i < 4; ++i)
-                outside += complex.beyond(t, i) < 0;
-            if (outside < 2)
+                if (complex.beyond(t, i) < 0) {
+                    ++outside;
+                    facet = i;
+                }
+            if (outside == 0 || (outside == 1 && open[complex.all.tets[t][facet]] > 0))
                 continue;
-            if (flatness(cloud.points, complex.all.tets[t]) < kSliver &&
-                share_curved_patch(cloud, reference, complex.all.tets[t])) {
-                complex.region[t] = -1;
-                again = true;
-            }
+            for (int i = 0; i < 4; ++i)
+                count(t, i, complex.beyond(t, i) < 0 ? -1 : 1);
+            complex.region[t] = -1;
             t = -1;
+            again = true;
         }
-        if (!again)
-            break;
-        // Tets that were covered may lie open now.
         std::erase(candidates, -1);
     }
 }
