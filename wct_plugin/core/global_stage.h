@@ -32,7 +32,7 @@ struct GlobalForm {
     int rounds = 20;     // of descent
     int iterations = 15; // of L-BFGS per round
     double reach = 0.1;  // longest step of a point, in sizes
-    int trials = 0;      // of the deviation, before the real run
+    int trials = 1;      // of the deviation, before the real run
     int trial_sweeps = 8;
     double target = 0.85;    // of the tolerance, for the mean facet
     double held = 0.86;      // share of the tolerance beyond which a facet counts as off, as in the local search

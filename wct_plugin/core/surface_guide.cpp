@@ -18,6 +18,7 @@ constexpr double kShell = 0.97;
 constexpr double kTube = 0.5;
 constexpr NearAlong kAlong = {0.975, 0.985};
 constexpr double kInside = 0.93;
+constexpr double kCovered = 0.94; // landmarks: what is between them may be a little farther
 /// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
 constexpr double kBend = 0.99939;
 
@@ -267,7 +268,7 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
 bool SurfaceGuide::covers(const std::array<Vec3, 3> &corners, int landmark) const {
     const Vec3 &point = landmarks_[landmark].point;
     const Vec3 to = point - closest_on(corners, point);
-    return dot(to, to) <= kShell * kShell * tolerance_ * tolerance_;
+    return dot(to, to) <= kCovered * kCovered * tolerance_ * tolerance_;
 }
 
 } // namespace wct
