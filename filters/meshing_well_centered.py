@@ -113,7 +113,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if moves and surface is not None:
             reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
         tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
-        if reason:
+        if surface is not None and reason:
             warnings.warn(
                 f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
                 WctWarning,
