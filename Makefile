@@ -28,11 +28,13 @@ lint: $(VENV)/.test
 	$(BIN)/clang-format --dry-run --Werror $(CORE)
 	$(BIN)/mypy
 
-# make bench [MESHES=folder] [SURFACES=folder of surfaces with the meshes' names] [TIMEOUT=seconds]: build/bench/bench.md
+# make bench [MESHES=folder] [SURFACES=folder of surfaces with the meshes' names] [TIMEOUT=seconds per tool and mesh]
+#            [MOST=tets at which the growth curve stops]: kernels.md, bench.md, growth.md in build/bench
 bench: $(VENV)/.bench
-	$(BIN)/python tests/benchmarks/bench_core.py
+	PYTHONPATH=tests $(BIN)/python -m benchmarks.kernels
 	PYTHONPATH=tests $(BIN)/python -m benchmarks $(if $(MESHES),--meshes '$(MESHES)') $(if $(SURFACES),--surfaces '$(SURFACES)') \
 		$(if $(TIMEOUT),--timeout $(TIMEOUT))
+	PYTHONPATH=tests $(BIN)/python -m benchmarks.growth $(if $(MOST),--most $(MOST))
 
 # Editable installs see edits to Python files at once; a changed core, declaration or list of filters installs again.
 $(VENV)/.demo: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python

@@ -2,22 +2,19 @@
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import click
 
 import wct_plugin as wct
 from benchmarks import meshes, table
-from benchmarks.judge import judge
+from benchmarks.judge import judge, row_of
 from benchmarks.ours import OURS
 from benchmarks.peers import PEERS
-from benchmarks.run import Outcome, run
+from benchmarks.run import run
 from wct_plugin.errors import WctError
-from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 _EXISTING = click.Path(exists=True, path_type=Path)
 _FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-_MB = 2.0**20
 
 
 @click.command()
@@ -47,25 +44,12 @@ def main(given: Path | None, surfaces: Path | None, only: tuple[str, ...], timeo
         rows.append(row)
         for tool in tools:
             click.echo(f"{file.stem}: {tool} ... ", nl=False, err=True)
-            rows.append(_row(file.stem, tool, run(tool, file, surface_file, timeout), mesh, surface))
+            rows.append(row_of(file.stem, tool, run(tool, file, surface_file, timeout), mesh, surface))
             click.echo(rows[-1]["status"], err=True)
             table.write(rows, about, out)  # what is done stays if the run is stopped
     table.write(rows, about, out)
     click.echo(table.markdown(rows, about))
     click.echo(f"wrote {out / 'bench.md'} and {out / 'bench.json'}", err=True)
-
-
-def _row(name: str, tool: str, outcome: Outcome, mesh: TetMesh, surface: SurfaceMesh) -> dict[str, Any]:
-    row = {"mesh": name, "tool": tool, "status": outcome.status, "load": outcome.load, "cpu_with_start": outcome.cpu}
-    if outcome.status != "ok":
-        return row
-    arrays = outcome.arrays
-    row |= {"cpu": float(arrays["cpu"]), "wall": float(arrays["wall"])}
-    row |= {key: float(arrays[key]) / _MB for key in ("memory", "memory_above")}
-    try:
-        return row | judge(TetMesh(arrays["points"], arrays["tets"]), mesh, surface)
-    except WctError as error:
-        return row | {"status": f"unusable: {error}"}
 
 
 if __name__ == "__main__":

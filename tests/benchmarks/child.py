@@ -47,21 +47,16 @@ def main(name: str, mesh_file: str, surface_file: str, result: str) -> int:
     if surface_file:
         mesh = replace(mesh, reference=wct.read(surface_file))
     tool = next(tool for tool in (*OURS, *PEERS) if tool.name == name)
-    if tool in PEERS:
-        try:
-            tool.load()
-        except ImportError as error:
-            print(error, file=sys.stderr)  # noqa: T201
-            return NOT_INSTALLED
+    try:
+        tool.load()
+    except ImportError as error:
+        print(error, file=sys.stderr)  # noqa: T201
+        return NOT_INSTALLED
     with suppress(OSError, ValueError):  # a lower limit is set already, or the system knows none
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_LIMIT, resource.getrlimit(resource.RLIMIT_AS)[1]))
     _forget_peak()
     memory, wall, cpu = _peak(), perf_counter(), _cpu()
-    if tool in PEERS:
-        points, tets = tool.run(np.array(mesh.points), np.array(mesh.tets))
-    else:
-        made = tool.run(mesh)
-        points, tets = made.points, made.tets
+    points, tets = tool.run(mesh)
     cpu, wall, peak = _cpu() - cpu, perf_counter() - wall, _peak()
     np.savez(result, points=points, tets=tets, cpu=cpu, wall=wall, memory=peak, memory_above=peak - memory)
     return 0

@@ -1,11 +1,31 @@
-"""The figures of one mesh against the mesh it was made from."""
+"""The figures of one mesh against the mesh it was made from, and of the tool that made it."""
 
 import math
 from typing import Any
 
+from benchmarks.run import Outcome
 from wct_plugin import quality
 from wct_plugin.deviation import deviation
+from wct_plugin.errors import WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+_MB = 2.0**20
+
+
+def row_of(name: str, tool: str, outcome: Outcome, mesh: TetMesh, surface: SurfaceMesh) -> dict[str, Any]:
+    """How a tool did on ``mesh``, called ``name``; what it used is in seconds and MB, per tet in ms and kB."""
+    row = {"mesh": name, "tool": tool, "status": outcome.status, "load": outcome.load, "cpu_with_start": outcome.cpu}
+    if outcome.status != "ok":
+        return row
+    arrays = outcome.arrays
+    row |= {"cpu": float(arrays["cpu"]), "wall": float(arrays["wall"])}
+    row |= {key: float(arrays[key]) / _MB for key in ("memory", "memory_above")}
+    try:
+        row |= judge(TetMesh(arrays["points"], arrays["tets"]), mesh, surface)
+    except WctError as error:
+        return row | {"status": f"unusable: {error}"}
+    per_tet = {"ms_per_tet": 1e3 * row["cpu"], "kb_per_tet": float(arrays["memory_above"]) / 1e3}
+    return row | {key: value / row["tets"] for key, value in per_tet.items()}
 
 
 def judge(mesh: TetMesh, given: TetMesh, surface: SurfaceMesh) -> dict[str, Any]:

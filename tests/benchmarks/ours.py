@@ -3,24 +3,37 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wct_plugin.mesh import TetMesh
 from wct_plugin.stage import apply_filter, filter_names
 
 
 @dataclass(frozen=True)
 class Ours:
-    """A filter: its row in the table, its registered name and its options."""
+    """A filter: its row in the table, its registered name and its options.
+
+    ``near`` are further options where the mesh's reference is a surface given with it, not its own boundary.
+    """
 
     name: str
     filter: str
     options: dict[str, Any] = field(default_factory=dict)
+    near: dict[str, Any] = field(default_factory=dict)
 
-    def run(self, mesh: TetMesh) -> TetMesh:
-        """Apply it; the mesh's reference is the surface of the same name, where one was given."""
-        made, _ = apply_filter(self.filter, mesh, **self.options)
+    def load(self) -> None:
+        """Nothing is left to import."""
+
+    def run(self, mesh: TetMesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Apply it; points (n, 3) and tets (m, 4)."""
+        made, _ = apply_filter(self.filter, mesh, **self.options, **(self.near if mesh.reference else {}))
         assert isinstance(made, TetMesh)
-        return made
+        return made.points, made.tets
 
+
+#: Moves the boundary, as by default.
+MESHING = Ours("wct meshing_well_centered", "meshing_well_centered", near={"tolerance": 1e-3})
 
 _ALL = (
     *(
@@ -28,6 +41,10 @@ _ALL = (
         for boundary in ("fixed", "slide")
         for goal in ("3wc", "cwc")
     ),
-    Ours("wct meshing_well_centered", "meshing_well_centered"),
+    *(
+        Ours(f"{MESHING.name} {boundary}", MESHING.filter, {"boundary": boundary}, MESHING.near)
+        for boundary in ("fixed", "keep")
+    ),
+    MESHING,
 )
 OURS = tuple(tool for tool in _ALL if tool.filter in filter_names())
