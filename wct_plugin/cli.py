@@ -135,7 +135,8 @@ def _progress() -> Iterator[ProgressCallback]:
             if state.bad is not None:  # only a filter that has a best so far can be asked to keep it
                 signal.signal(signal.SIGINT, interrupt)
             bad = "" if state.bad is None else f"{state.bad} bad"
-            bar.update(task, description=state.stage, completed=state.done, bad=bad)
+            new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
+            bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
             return not stop.is_set()
 
         try:

@@ -183,7 +183,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                "; neither may be negative");
 
     TetComplex complex;
-    const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.25 * mean_size(wanted, role));
+    const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.125 * mean_size(wanted, role));
     for (std::size_t v = 0; v < at.size(); ++v) {
         const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
         complex.add_vertex({at[v], role[v], slides ? static_cast<int>(owner[v]) : -1, wanted[v]});

@@ -62,7 +62,7 @@ void learn(const Deviation &deviation, Sizing &sizing, std::vector<double> &corr
 /// Drop crease points that crowd another of their curve, or its end, and patch points that crowd a crease: the descent
 /// may push them together where a curve cannot be recovered. True if any did.
 bool thin_creases(Cloud &cloud, const Reference &reference) {
-    constexpr double share = 0.2; // of the size
+    constexpr double share = 0.2;  // of the size
     std::map<int, double> corners; // vertex of the reference -> size
     for (std::size_t i = 0; i < cloud.count(); ++i)
         if (cloud.role[i] == Stratum::corner)
@@ -142,7 +142,7 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
 /// would press the surface points round them into flat tets.
 bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, const Flaws &flaws) {
-    constexpr double crowded = 0.5; // of the size
+    constexpr double crowded = 0.5;                                                   // of the size
     std::vector<double> room(cloud.count(), std::numeric_limits<double>::infinity()); // to the nearest surface point
     std::vector<char> open(cloud.count(), 0), keep(cloud.count(), 1);
     for (const int v : flaws.exposed)
