@@ -82,7 +82,7 @@ def distances(queries: Floats, surface: SurfaceMesh) -> Floats:
     while len(pending):
         width = min(width, len(centers))
         left = []
-        for part in np.array_split(pending, 1 + len(pending) * width // 500_000):
+        for part in np.array_split(pending, 1 + len(pending) * width // 100_000):
             reach, found = tree.query(queries[part], k=list(range(seen + 1, width + 1)))
             row, column = np.nonzero(reach - radius[found] < best[part, None])
             square = triangles.square_distances(queries[part[row]], owner[found[row, column]])
