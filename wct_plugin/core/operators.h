@@ -61,6 +61,7 @@ class Operators {
     bool flips_surface(int a, int b, int r, int s, int patch);
     /// Measures the candidates; whether they can be and cost less than `limit` together.
     bool candidates_below(double limit);
+    std::optional<Vec3> uncovered_beside(int a, int b, const std::vector<int> &apices) const;
     bool collapse_links(int a, int b, const Ring &ring) const;
 
     TetComplex &complex_;

@@ -6,6 +6,27 @@
 
 namespace wct {
 
+/// The landmark farthest from the facets at edge ab that are beyond the tolerance: a vertex there covers it best.
+std::optional<Vec3> Operators::uncovered_beside(int a, int b, const std::vector<int> &apices) const {
+    std::optional<Vec3> worst;
+    double farthest = guide_.tolerance();
+    for (int apex : apices) {
+        const Facet key = sorted(a, b, apex);
+        if (complex_.over(key) <= 0.0)
+            continue;
+        const std::array<Vec3, 3> corners = {complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])};
+        for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
+            const Vec3 &point = guide_.landmarks()[l].point;
+            const double distance = norm(point - closest_on(corners, point));
+            if (distance > farthest) {
+                farthest = distance;
+                worst = point;
+            }
+        }
+    }
+    return worst;
+}
+
 std::optional<int> Operators::split(int a, int b, double slack) {
     const double size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
     if (norm(complex_.point(a) - complex_.point(b)) < 2.0 * shortest * size || !ring(a, b, ring_))
@@ -32,6 +53,9 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         middle.stratum = Stratum::patch;
         middle.label = facet_patches[0];
     }
+    if (middle.stratum == Stratum::patch)
+        if (const auto peak = uncovered_beside(a, b, facet_apices))
+            middle.position = *peak;
     if (!guide_.admit(middle, middle.position))
         return std::nullopt;
     const int v = complex_.add_vertex(middle);
