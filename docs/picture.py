@@ -32,7 +32,7 @@ def draw(axes, mesh, title, cut, norm):
     axes.add_collection3d(Poly3DCollection(corners, facecolors=colours, edgecolors="#0006", linewidths=0.2))
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.15)
+    axes.set_box_aspect(high - low, zoom=1.0)
     axes.set_axis_off()
     share = 100 * (height > 0).mean()
     axes.set_title(f"{title}: {len(mesh.tets)} tets, {share:.1f} % contain their circumcenter", fontsize=10)
