@@ -218,8 +218,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
         if len(found["exposed"]) or (stratum[touching] < 3).any():
             return None
-        if not pinched(reference.strata.triangles, len(reference.points))[found["label"][touching]].all():
-            return None
+        if len(touching):
+            own_pinches = pinched(reference.strata.triangles, len(reference.points))
+            if not own_pinches[found["label"][touching]].all():
+                return None
         return {
             "points": found["points"],
             "tets": found["tets"],

@@ -105,11 +105,7 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome) {
             out_tets.push_back(place[v]);
         out_regions.push_back(complex.region(t));
     }
-    std::vector<std::pair<Facet, int>> surface;
-    for (const auto &[key, facet] : complex.surface())
-        surface.push_back({key, facet.patch});
-    std::sort(surface.begin(), surface.end());
-    for (const auto &[key, patch] : surface) {
+    for (const auto &[key, patch] : complex.sorted_surface()) {
         for (int v : key)
             out_facets.push_back(place[v]);
         out_patches.push_back(patch);

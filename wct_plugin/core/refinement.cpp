@@ -14,7 +14,7 @@ std::optional<Vec3> Operators::uncovered_beside(int a, int b, const std::vector<
         const Facet key = sorted(a, b, apex);
         if (complex_.over(key) <= 0.0)
             continue;
-        const std::array<Vec3, 3> corners = {complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])};
+        const std::array<Vec3, 3> corners = complex_.corners(key);
         for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
             const Vec3 &point = guide_.landmarks()[l].point;
             const double distance = norm(point - closest_on(corners, point));

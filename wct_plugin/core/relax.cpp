@@ -28,6 +28,18 @@ struct Mean {
     }
 };
 
+/// The surface's points, each with this share of its size for radius.
+PointGrid surface_grid(const Cloud &cloud, double share) {
+    PointGrid grid;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] != Stratum::interior)
+            grid.add(cloud.points[i], share * cloud.size[i]);
+    return grid;
+}
+
+/// Crease points are not put closer than half of this, in sizes.
+constexpr double kClosest = 0.5;
+
 } // namespace
 
 double relax(Cloud &cloud, const Reference &reference, const Complex &complex, double step) {
@@ -84,15 +96,6 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
     return most;
 }
 
-/// The surface's points, each with this share of its size for radius.
-PointGrid surface_grid(const Cloud &cloud, double share) {
-    PointGrid grid;
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        if (cloud.role[i] != Stratum::interior)
-            grid.add(cloud.points[i], share * cloud.size[i]);
-    return grid;
-}
-
 int mend(Cloud &cloud, const Reference &reference, const Complex &complex, double longest, double shortest) {
     std::vector<std::pair<double, std::array<int, 2>>> far;
     std::vector<std::pair<double, std::array<int, 2>>> near;
@@ -137,9 +140,6 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
     cloud.keep(keep);
     return changes;
 }
-
-/// Crease points are not put closer than half of this, in sizes.
-constexpr double kClosest = 0.5;
 
 int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex) {
     struct Stop {

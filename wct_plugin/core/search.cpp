@@ -102,13 +102,13 @@ void Search::polish() {
     }
 }
 
-bool Search::kick_until_good(const SearchProgress &progress, const char *phase, long kicks) {
+bool Search::kick_until_good(const SearchProgress &progress, const char *phase) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
     int least = kicks_.bad();
     long vain = 0; // kicks since there were fewer bad tets than ever before
     for (long done = 0; kicks_.bad() > 0; ++done) {
-        const long limit = patience(kicks, least);
+        const long limit = patience(least);
         if (vain >= limit)
             return false;
         if (done % rest == 0)
@@ -129,11 +129,11 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase, 
     return true;
 }
 
-long Search::patience(long kicks, int bad) const {
+long Search::patience(int bad) const {
     // Few bad tets in many are worth long trying, and there will not be many such phases; where a good part of the mesh
     // is bad, as round a surface that may not change, most of it is hopeless.
     const double share = (static_cast<double>(complex_.tets()) + 2000.0) / (8000.0 * std::max(bad, 1));
-    return std::max(1L, static_cast<long>(static_cast<double>(kicks) * std::clamp(share, 0.005, 1.0)));
+    return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, 0.005, 1.0)));
 }
 
 SearchOutcome Search::run(const SearchProgress &progress) {
@@ -159,12 +159,12 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
-    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", options_.kicks);
+    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks");
     if (good) {
         polish();
         adopt(margin_form(options_.acute, options_.margin));
         sweep(1);
-        kick_until_good(progress, "margin", options_.kicks);
+        kick_until_good(progress, "margin");
     }
     SurfaceBalance(complex_, energy_, guide_, descent_).run();
     adopt(sharp_form(options_.acute));

@@ -44,8 +44,8 @@ class Search {
     int count_bad() const;
     void sweep(int recipe);
     /// How many kicks in vain to bear with this many bad tets left.
-    long patience(long kicks, int bad) const;
-    bool kick_until_good(const SearchProgress &progress, const char *phase, long kicks);
+    long patience(int bad) const;
+    bool kick_until_good(const SearchProgress &progress, const char *phase);
     void polish();
     double clearance() const;
 

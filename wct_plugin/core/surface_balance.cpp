@@ -29,14 +29,11 @@ void SurfaceBalance::run() {
 }
 
 std::vector<double> SurfaceBalance::offsets() {
-    std::vector<std::pair<Facet, int>> facets;
-    for (const auto &[key, facet] : complex_.surface())
-        if (!guide_.planar(facet.patch))
-            facets.push_back({key, facet.patch});
-    std::sort(facets.begin(), facets.end()); // sums must not depend on the order of the hash table
     std::vector<double> sum(guide_.patches(), 0.0), area(guide_.patches(), 0.0);
-    for (const auto &[key, patch] : facets) {
-        const std::array<Vec3, 3> corners = {complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])};
+    for (const auto &[key, patch] : complex_.sorted_surface()) { // in order, or the sums would depend on it
+        if (guide_.planar(patch))
+            continue;
+        const std::array<Vec3, 3> corners = complex_.corners(key);
         const double here = norm(cross(corners[1] - corners[0], corners[2] - corners[0]));
         sum[patch] += here * guide_.offset(patch, corners, complex_.hints(key));
         area[patch] += here;

@@ -21,29 +21,20 @@ Vec3 normal_of(const std::array<Vec3, 3> &c) {
 } // namespace
 
 SurfaceWatch::Piece SurfaceWatch::piece(const Facet &key, int patch) const {
-    Piece out{.key = key,
-              .patch = patch,
-              .planar = guide_.planar(patch),
-              .corners = {complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])},
-              .pull = {}};
-    return out;
+    return {.key = key, .patch = patch, .planar = guide_.planar(patch), .corners = complex_.corners(key), .pull = {}};
 }
 
 void SurfaceWatch::begin() {
-    std::vector<std::pair<Facet, int>> facets;
-    for (const auto &[key, facet] : complex_.surface())
-        if (!guide_.planar(facet.patch))
-            facets.push_back({key, facet.patch});
-    std::sort(facets.begin(), facets.end()); // the order must not depend on the hash table
     std::map<int, std::vector<std::array<Vec3, 3>>> by_patch;
     std::map<std::array<double, 9>, Facet> known;
-    for (const auto &[key, patch] : facets) {
+    for (const auto &[key, patch] : complex_.sorted_surface()) {
+        if (guide_.planar(patch))
+            continue;
         Piece one = piece(key, patch);
         by_patch[patch].push_back(one.corners);
         known.emplace(coordinates(one.corners), key);
         if (!guide_.near(patch, one.corners, one.edges, one.hints))
-            complex_.set_over(
-                key, std::max(kLeast, guide_.gap(patch, one.corners, one.hints).distance / guide_.tolerance() - 1.0));
+            complex_.set_over(key, over(guide_.gap(patch, one.corners, one.hints).distance));
     }
     std::map<int, BoundingTree<3>> trees;
     for (auto &[patch, corners] : by_patch)
@@ -62,8 +53,7 @@ void SurfaceWatch::begin() {
         const Facet owner = known.at(coordinates(corners));
         complex_.add_landmark(owner);
         if (!guide_.covers(corners, static_cast<int>(l)))
-            complex_.set_over(
-                owner, std::max({complex_.over(owner), kLeast, norm(found.point - point) / guide_.tolerance() - 1.0}));
+            complex_.set_over(owner, std::max(complex_.over(owner), over(norm(found.point - point))));
     }
 }
 
@@ -114,8 +104,7 @@ bool SurfaceWatch::allows_replacing() {
             continue;
         if (allowed <= 0.0)
             return false;
-        piece.over =
-            std::max(kLeast, guide_.gap(piece.patch, piece.corners, piece.hints).distance / guide_.tolerance() - 1.0);
+        piece.over = over(guide_.gap(piece.patch, piece.corners, piece.hints).distance);
     }
     if (!landmarks_covered())
         return false;
@@ -188,16 +177,20 @@ bool SurfaceWatch::near(Piece &piece) const {
         return false;
     const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints);
     const auto &[a, b, c] = piece.corners;
-    farther(piece, gap.distance / guide_.tolerance() - 1.0, gap.weights.x * a + gap.weights.y * b + gap.weights.z * c,
-            gap.to_surface);
+    farther(piece, gap.distance, gap.weights.x * a + gap.weights.y * b + gap.weights.z * c, gap.to_surface);
     return true;
 }
 
-/// The piece is over by this much where its point `at` should go `to_surface`.
-void SurfaceWatch::farther(Piece &piece, double over, const Vec3 &at, const Vec3 &to_surface) const {
-    if (piece.over > 0.0 && over <= piece.over)
+/// How far over the tolerance something at this distance is.
+double SurfaceWatch::over(double distance) const {
+    return std::max(kLeast, distance / guide_.tolerance() - 1.0);
+}
+
+/// The piece is this far away where its point `at` should go `to_surface`.
+void SurfaceWatch::farther(Piece &piece, double distance, const Vec3 &at, const Vec3 &to_surface) const {
+    if (over(distance) <= piece.over)
         return;
-    piece.over = std::max(over, kLeast);
+    piece.over = over(distance);
     if (vertex_ < 0)
         return;
     int k = 0;
@@ -206,7 +199,6 @@ void SurfaceWatch::farther(Piece &piece, double over, const Vec3 &at, const Vec3
     const Vec3 &a = piece.corners[(k + 1) % 3];
     const Vec3 along = piece.corners[(k + 2) % 3] - a;
     const double weight = norm(cross(at - a, along)) / norm(cross(piece.corners[k] - a, along));
-    const double distance = norm(to_surface);
     piece.pull = distance > 0.0 ? (-weight / (distance * guide_.tolerance())) * to_surface : Vec3{};
 }
 
@@ -251,7 +243,7 @@ bool SurfaceWatch::landmarks_covered() {
                 handed_.push_back({l, owner->key});
             const Vec3 &point = guide_.landmarks()[l].point;
             const Vec3 foot = closest_on(owner->corners, point);
-            farther(*owner, norm(point - foot) / guide_.tolerance() - 1.0, foot, point - foot);
+            farther(*owner, norm(point - foot), foot, point - foot);
         }
     }
     return true;
@@ -288,7 +280,7 @@ bool SurfaceWatch::cover(int landmark, const Piece &owner) {
             if (patches_[k] != owner.patch ||
                 std::any_of(old_.begin(), old_.end(), [&](const Piece &p) { return p.key == key; }))
                 continue;
-            if (guide_.covers({complex_.point(key[0]), complex_.point(key[1]), complex_.point(key[2])}, landmark)) {
+            if (guide_.covers(complex_.corners(key), landmark)) {
                 handed_.push_back({landmark, key});
                 return true;
             }

@@ -58,7 +58,8 @@ class SurfaceWatch {
     bool landmarks_covered();
     bool cover(int landmark, const Piece &owner);
     Piece *nearest(int landmark, int patch);
-    void farther(Piece &piece, double over, const Vec3 &at, const Vec3 &to_surface) const;
+    double over(double distance) const;
+    void farther(Piece &piece, double distance, const Vec3 &at, const Vec3 &to_surface) const;
 
     TetComplex &complex_;
     const SurfaceGuide &guide_;

@@ -76,6 +76,15 @@ void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> 
     }
 }
 
+std::vector<std::pair<Facet, int>> TetComplex::sorted_surface() const {
+    std::vector<std::pair<Facet, int>> facets;
+    facets.reserve(surface_.size());
+    for (const auto &[key, facet] : surface_)
+        facets.push_back({key, facet.patch});
+    std::sort(facets.begin(), facets.end());
+    return facets;
+}
+
 double TetComplex::over(const Tet &tet) const {
     if (over_count_ == 0)
         return 0.0;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace wct {
@@ -81,6 +82,9 @@ class TetComplex {
     /// handed on its landmarks before it is removed.
     void add_landmark(const std::optional<Facet> &owner);
     void hand_landmark(int landmark, const Facet &owner);
+    /// The surface facets and their patches by key: the order of surface() depends on its hash table.
+    std::vector<std::pair<Facet, int>> sorted_surface() const;
+    std::array<Vec3, 3> corners(const Facet &key) const { return {point(key[0]), point(key[1]), point(key[2])}; }
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
     const std::unordered_map<Facet, SurfaceFacet, KeyHash> &surface() const { return surface_; }
