@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace wct {
@@ -27,6 +28,7 @@ template <std::size_t corners> class BoundingTree {
     explicit BoundingTree(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
         if (!pieces_.empty())
             split(0, static_cast<std::int32_t>(pieces_.size()));
+        find_neighbours();
     }
 
     const std::vector<Piece> &pieces() const { return pieces_; } // in the tree's own order
@@ -69,10 +71,53 @@ template <std::size_t corners> class BoundingTree {
         return x - closest_on(pieces_[static_cast<std::size_t>(piece)], x);
     }
 
-    /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first.
+    /// Whether the piece is within this squared distance of x.
+    bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
+        const Vec3 to = gap(piece, x);
+        return dot(to, to) <= distance;
+    }
+
+    /// Where the projection of a + t along onto a piece leaves it: t, and the neighbour on that side, or -1.
+    struct Exit {
+        double t;
+        std::int32_t neighbour;
+    };
+    Exit exit(std::int32_t piece, const Vec3 &a, const Vec3 &along) const {
+        Exit first{std::numeric_limits<double>::infinity(), -1};
+        const Piece &c = pieces_[static_cast<std::size_t>(piece)];
+        for (std::size_t i = 0; i < corners; ++i) {
+            const Vec3 &base = c[(i + 1) % corners];
+            Vec3 inward = c[i] - base;
+            if constexpr (corners == 3)
+                inward = cross(cross(c[1] - c[0], c[2] - c[0]), c[(i + 2) % 3] - base);
+            const double rate = dot(inward, along);
+            if (!(rate < 0.0))
+                continue;
+            const double t = dot(inward, base - a) / rate;
+            if (t < first.t)
+                first = {t, neighbours_[static_cast<std::size_t>(piece)][i]};
+        }
+        return first;
+    }
+
+    /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first, then the way downhill
+    /// from there.
     std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
-        if (reaches(guess, x, distance))
-            return guess;
+        const auto square = [&](std::int32_t piece) {
+            const Vec3 to = gap(piece, x);
+            return dot(to, to);
+        };
+        for (double best = square(guess), before = std::numeric_limits<double>::infinity(); best < before;) {
+            if (best <= distance)
+                return guess;
+            before = best;
+            for (const std::int32_t other : neighbours_[static_cast<std::size_t>(guess)])
+                if (other >= 0)
+                    if (const double here = square(other); here < best) {
+                        best = here;
+                        guess = other;
+                    }
+        }
         std::array<std::int32_t, 64> stack;
         std::size_t size = 0;
         stack[size++] = 0;
@@ -110,9 +155,35 @@ template <std::size_t corners> class BoundingTree {
         }
     };
 
-    bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
-        const Vec3 to = gap(piece, x);
-        return dot(to, to) <= distance;
+    /// Pieces that share all corners but one.
+    void find_neighbours() {
+        using Side = std::array<double, 3 * (corners - 1)>; // its corners in ascending order
+        std::vector<std::pair<Side, std::int32_t>> sides;   // 3 * piece + which
+        for (std::size_t p = 0; p < pieces_.size(); ++p)
+            for (std::size_t i = 0; i < corners; ++i) {
+                std::array<std::array<double, 3>, corners - 1> side;
+                for (std::size_t k = 0; k + 1 < corners; ++k) {
+                    const Vec3 &corner = pieces_[p][(i + k + 1) % corners];
+                    side[k] = {corner.x, corner.y, corner.z};
+                }
+                std::sort(side.begin(), side.end());
+                Side key;
+                for (std::size_t k = 0; k < key.size(); ++k)
+                    key[k] = side[k / 3][k % 3];
+                sides.push_back({key, static_cast<std::int32_t>(corners * p + i)});
+            }
+        std::sort(sides.begin(), sides.end());
+        std::array<std::int32_t, corners> none;
+        none.fill(-1);
+        neighbours_.assign(pieces_.size(), none);
+        const auto link = [&](std::int32_t from, std::int32_t to) {
+            neighbours_[from / corners][from % corners] = static_cast<std::int32_t>(to / corners);
+        };
+        for (std::size_t k = 0; k + 1 < sides.size(); ++k)
+            if (sides[k].first == sides[k + 1].first) {
+                link(sides[k].second, sides[k + 1].second);
+                link(sides[k + 1].second, sides[k].second);
+            }
     }
 
     static Vec3 middle(const Piece &piece) {
@@ -151,6 +222,7 @@ template <std::size_t corners> class BoundingTree {
 
     std::vector<Piece> pieces_;
     std::vector<Node> nodes_;
+    std::vector<std::array<std::int32_t, corners>> neighbours_; // of each piece; -1: none
 };
 
 } // namespace wct

@@ -1,27 +1,14 @@
 #include "descent.h"
 
+#include "lbfgs_memory.h"
+
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 
 namespace wct {
 
 namespace {
-
-using Field = std::vector<Vec3>;
-
-double product(const Field &a, const Field &b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        sum += dot(a[i], b[i]);
-    return sum;
-}
-
-void add(Field &a, double s, const Field &b) {
-    for (std::size_t i = 0; i < a.size(); ++i)
-        a[i] += s * b[i];
-}
 
 class Objective {
   public:
@@ -180,31 +167,6 @@ void clip(Field &step, double reach) {
     }
 }
 
-struct Pair {
-    Field step;
-    Field change;
-    double scale;
-};
-
-/// The two-loop recursion (Nocedal and Wright, "Numerical Optimization", algorithm 7.4).
-Field direction_of(const Field &gradient, const std::deque<Pair> &pairs) {
-    Field q = gradient;
-    std::vector<double> alpha(pairs.size());
-    for (std::size_t k = pairs.size(); k-- > 0;) {
-        alpha[k] = pairs[k].scale * product(pairs[k].step, q);
-        add(q, -alpha[k], pairs[k].change);
-    }
-    const Pair &last = pairs.back();
-    const double gamma = 1.0 / (last.scale * product(last.change, last.change));
-    for (Vec3 &v : q)
-        v = gamma * v;
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-        add(q, alpha[k] - pairs[k].scale * product(pairs[k].change, q), pairs[k].step);
-    for (Vec3 &v : q)
-        v = -1.0 * v;
-    return q;
-}
-
 /// Against the gradient. The few steepest points, which sit in nearly flat tets, do not set the scale for the rest.
 Field steepest(const Field &gradient, double reach) {
     std::vector<double> slopes(gradient.size());
@@ -269,17 +231,17 @@ std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3
     Field slope;
     std::vector<int> blocked;
     double energy = objective(points, gradient, blocked);
-    std::deque<Pair> pairs;
+    LbfgsMemory memory(kMemory);
     int failures = 0;
     for (int round = 0; round < iterations && energy < std::numeric_limits<double>::infinity(); ++round) {
-        Field step = pairs.empty() ? steepest(gradient, reach) : direction_of(gradient, pairs);
+        Field step = memory.empty() ? steepest(gradient, reach) : memory.direction(gradient);
         objective.project(step);
         clip(step, reach);
-        double descent = product(gradient, step);
+        double descent = inner(gradient, step);
         if (descent >= 0.0) {
-            pairs.clear();
+            memory.clear();
             step = steepest(gradient, reach);
-            descent = product(gradient, step);
+            descent = inner(gradient, step);
             if (descent >= 0.0)
                 break;
         }
@@ -302,26 +264,20 @@ std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3
             blocked.erase(std::unique(blocked.begin(), blocked.end()), blocked.end());
             for (const int v : blocked)
                 step[v] = 0.25 * step[v];
-            descent = product(gradient, step);
+            descent = inner(gradient, step);
             if (descent >= 0.0)
                 break;
         }
         if (!found) {
-            if (pairs.empty() || ++failures > 2)
+            if (memory.empty() || ++failures > 2)
                 break;
-            pairs.clear();
+            memory.clear();
             continue;
         }
-        Pair pair{next, slope, 0.0};
-        add(pair.step, -1.0, points);
-        add(pair.change, -1.0, gradient);
-        const double curve = product(pair.step, pair.change);
-        if (curve > 1e-12 * std::sqrt(product(pair.step, pair.step) * product(pair.change, pair.change))) {
-            pair.scale = 1.0 / curve;
-            pairs.push_back(std::move(pair));
-            if (pairs.size() > kMemory)
-                pairs.pop_front();
-        }
+        Field moved = next, change = slope;
+        add(moved, -1.0, points);
+        add(change, -1.0, gradient);
+        memory.remember(std::move(moved), std::move(change));
         const bool done = energy - lower < 1e-9 * energy;
         points = next;
         gradient = slope;

@@ -1,8 +1,9 @@
 #include "lbfgs.h"
 
+#include "lbfgs_memory.h"
+
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 
 namespace wct {
@@ -11,50 +12,17 @@ namespace {
 
 constexpr std::size_t kMemory = 10;
 constexpr double kLongestStep = 0.3; // in local sizes
-constexpr double kFirstStep = 0.05;  // likewise, while nothing is known of the curvature
+constexpr double kFirstStep = 0.05;  // likewise
 constexpr double kFlat = 1e-7;       // relative decrease that is not worth another iteration
 
-using Vector = std::vector<Vec3>; // one entry per free point
-
-double inner(const Vector &a, const Vector &b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        sum += dot(a[i], b[i]);
-    return sum;
-}
-
-void add(Vector &a, double s, const Vector &b) {
-    for (std::size_t i = 0; i < a.size(); ++i)
-        a[i] += s * b[i];
-}
-
-double longest(const Vector &a) {
-    double out = 0.0;
-    for (const Vec3 &v : a)
-        out = std::max(out, dot(v, v));
-    return std::sqrt(out);
-}
-
-struct Pair {
-    Vector step;
-    Vector change; // of the gradient
-    double product;
-};
-
-/// -H g by the two-loop recursion.
-Vector direction(const std::deque<Pair> &memory, const Vector &gradient) {
-    Vector d = gradient;
-    std::vector<double> alpha(memory.size());
-    for (std::size_t k = memory.size(); k-- > 0;) {
-        alpha[k] = inner(memory[k].step, d) / memory[k].product;
-        add(d, -alpha[k], memory[k].change);
-    }
-    const double scale = memory.empty() ? kFirstStep / longest(gradient)
-                                        : memory.back().product / inner(memory.back().change, memory.back().change);
+/// Downhill; the first step is short, as nothing is known of the curvature.
+Field downhill(const LbfgsMemory &memory, const Field &gradient) {
+    if (!memory.empty())
+        return memory.direction(gradient);
+    Field d = gradient;
+    const double scale = kFirstStep / longest(gradient);
     for (Vec3 &v : d)
         v = -scale * v;
-    for (std::size_t k = 0; k < memory.size(); ++k)
-        add(d, -alpha[k] - inner(memory[k].change, d) / memory[k].product, memory[k].step);
     return d;
 }
 
@@ -69,7 +37,7 @@ Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, in
     std::vector<Vec3> at = mesh.points;
     std::vector<Vec3> raw(at.size());
     std::size_t work = 0;
-    const auto evaluate = [&](Vector &gradient) {
+    const auto evaluate = [&](Field &gradient) {
         const double energy = objective.total(mesh, at, raw, work);
         for (std::size_t i = 0; i < count; ++i) {
             const auto p = static_cast<std::size_t>(free[i]);
@@ -78,20 +46,20 @@ Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, in
         }
         return energy;
     };
-    Vector gradient(count);
-    Vector next(count);
+    Field gradient(count);
+    Field next(count);
     double energy = evaluate(gradient);
     if (!std::isfinite(energy))
         return Outcome::jammed;
-    std::deque<Pair> memory;
+    LbfgsMemory memory(kMemory);
     for (int k = 0; k < iterations; ++k) {
         if (!(longest(gradient) > 0.0))
             return Outcome::converged;
-        Vector d = direction(memory, gradient);
+        Field d = downhill(memory, gradient);
         double slope = inner(d, gradient);
         if (!(slope < 0.0)) {
             memory.clear();
-            d = direction(memory, gradient);
+            d = downhill(memory, gradient);
             slope = inner(d, gradient);
         }
         double t = std::min(1.0, kLongestStep / longest(d));
@@ -118,19 +86,14 @@ Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, in
             continue; // `gradient` still belongs to the positions in the mesh
         }
         monitor.iterate();
-        Pair pair{Vector(count), Vector(count), 0.0};
+        Field step(count), change(count);
         for (std::size_t i = 0; i < count; ++i) {
             const auto p = static_cast<std::size_t>(free[i]);
-            pair.step[i] = (1.0 / mesh.size(free[i])) * (at[p] - mesh.points[p]);
-            pair.change[i] = next[i] - gradient[i];
+            step[i] = (1.0 / mesh.size(free[i])) * (at[p] - mesh.points[p]);
+            change[i] = next[i] - gradient[i];
             mesh.points[p] = at[p];
         }
-        pair.product = inner(pair.step, pair.change);
-        if (pair.product > 1e-12 * inner(pair.change, pair.change)) {
-            memory.push_back(std::move(pair));
-            if (memory.size() > kMemory)
-                memory.pop_front();
-        }
+        memory.remember(std::move(step), std::move(change));
         const double gain = energy - trial;
         std::swap(gradient, next);
         energy = trial;

@@ -2,6 +2,7 @@
 
 #include "bounding_tree.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace wct {
@@ -25,6 +26,26 @@ struct NearAlong {
         if (piece < 0)
             return false;
         first = piece;
+        // Mostly the edge runs over neighbours, one after the other, near each from where it gets there to where it
+        // leaves.
+        const Vec3 whole = b - a;
+        double reached = 0.0;
+        for (int turn = 0; turn < turns; ++turn) {
+            const auto exit = tree.exit(piece, a, whole);
+            if (exit.t >= 1.0) {
+                const Vec3 gap = tree.gap(piece, b);
+                if (dot(gap, gap) <= within)
+                    return true;
+                break;
+            }
+            const double t = std::max(reached, exit.t);
+            const Vec3 x = a + t * whole;
+            if (exit.neighbour < 0 || !tree.reaches(piece, x, limit) || !tree.reaches(exit.neighbour, x, limit))
+                break;
+            reached = t;
+            piece = exit.neighbour;
+        }
+        a += reached * whole;
         for (int turn = 0; turn < turns; ++turn) {
             const Vec3 along = b - a;
             Vec3 x = b;
@@ -44,10 +65,9 @@ struct NearAlong {
             if (!(t > 0.0 && t < 1.0))
                 return false;
             a = x;
-            piece = tree.within(a, limit, later);
+            piece = tree.within(a, limit, piece);
             if (piece < 0)
                 return false;
-            later = piece;
         }
         return false;
     }

@@ -140,6 +140,10 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
         }
         return any;
     }
+    case groups:
+        for (int v : tet)
+            operators_.touch(v);
+        return group_.relax_round(t);
     default:
         return chain(t);
     }
@@ -153,8 +157,9 @@ void Repair::improve(const Recipe &recipe, int t) {
         for (int k = 0; k < count && (recipe.operators & kind); ++k)
             tries_.push_back({kind, k});
     random_.shuffle(tries_);
+    tries_.insert(tries_.begin(), {groups, 0}); // most likely to help
     for (const auto &[kind, variant] : tries_) {
-        if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
+        if (!complex_.alive(t) || !energy_.bad(complex_.energy(t)))
             break;
         complex_.mark();
         operators_.touched.clear();
@@ -177,11 +182,11 @@ void Repair::improve(const Recipe &recipe, int t) {
 void Repair::pass(const Recipe &recipe, const std::vector<int> &tets) {
     order_.clear();
     for (int t : tets)
-        if (complex_.alive(t) && complex_.energy(t) > 0.0)
+        if (complex_.alive(t) && energy_.bad(complex_.energy(t)))
             order_.push_back({-complex_.energy(t), t});
     std::sort(order_.begin(), order_.end()); // worst first, ties by number
     for (const auto &[minus_energy, t] : order_)
-        if (complex_.alive(t) && complex_.energy(t) > 0.0)
+        if (complex_.alive(t) && energy_.bad(complex_.energy(t)))
             improve(recipe, t);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "group_descent.h"
 #include "operators.h"
 #include "random.h"
 #include "star_descent.h"
@@ -9,11 +10,20 @@
 
 namespace wct {
 
-/// Local repair of tets that fall short: tries operators on each, moves the vertices they touched, and keeps what
-/// lowers the energy.
+/// Local repair of bad tets: tries to move their neighbourhood, then operators, moves the vertices these touched, and
+/// keeps what lowers the energy.
 class Repair {
   public:
-    enum Kind : unsigned { edges = 1, facets = 2, collapses = 4, splits = 8, inserts = 16, nudges = 32, chains = 64 };
+    enum Kind : unsigned {
+        edges = 1,
+        facets = 2,
+        collapses = 4,
+        splits = 8,
+        inserts = 16,
+        nudges = 32,
+        chains = 64,
+        groups = 128
+    };
     struct Recipe {
         unsigned operators; // bits of Kind
         double slack;       // how much worse an operator may leave things before relaxation
@@ -22,8 +32,10 @@ class Repair {
     /// From the cheapest to the widest choice of operators.
     static const Recipe recipes[3];
 
-    Repair(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent, Random &random)
-        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), random_(random) {}
+    Repair(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
+           GroupDescent &group, Random &random)
+        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), group_(group), random_(random) {
+    }
 
     /// One pass over the tets, worst first; those that are gone or good by then are left out.
     void pass(const Recipe &recipe, const std::vector<int> &tets);
@@ -45,6 +57,7 @@ class Repair {
     const SearchEnergy &energy_;
     Operators &operators_;
     StarDescent &descent_;
+    GroupDescent &group_;
     Random &random_;
     std::vector<std::pair<double, int>> order_;
     std::vector<std::pair<unsigned, int>> tries_;

@@ -43,8 +43,9 @@ SearchForm margin_form(bool acute, double margin) {
 
 Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
     : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
-      operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_), random_(options.seed),
-      repair_(complex, energy_, operators_, descent_, random_),
+      operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_),
+      group_(complex, energy_, guide, watch_), random_(options.seed),
+      repair_(complex, energy_, operators_, descent_, group_, random_),
       kicks_(complex, energy_, operators_, descent_, repair_, random_) {
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
@@ -68,7 +69,7 @@ int Search::count_bad() const {
 void Search::sweep(int recipe) {
     std::vector<int> tets;
     for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
-        if (complex_.alive(static_cast<int>(t)) && complex_.energy(static_cast<int>(t)) > 0.0)
+        if (complex_.alive(static_cast<int>(t)) && energy_.bad(complex_.energy(static_cast<int>(t))))
             tets.push_back(static_cast<int>(t));
     repair_.pass_changed(recipe, tets);
 }

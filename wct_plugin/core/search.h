@@ -56,6 +56,7 @@ class Search {
     SurfaceWatch watch_;
     Operators operators_;
     StarDescent descent_;
+    GroupDescent group_;
     Random random_;
     Repair repair_;
     Kicks kicks_;

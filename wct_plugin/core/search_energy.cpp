@@ -88,6 +88,27 @@ void SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes 
     evaluations_ += kLanes;
 }
 
+void SearchEnergy::smooth(const TetLanes &tets, const TermLanes &terms, Lanes &energy, GradientLanes &gradient) const {
+    constexpr double margin = 0.06;
+    const bool acute = form_.shape.weight2 != 0.0;
+    const EnergyForm form{.margin3 = margin,
+                          .power3 = 2.0,
+                          .margin2 = margin,
+                          .power2 = 2.0,
+                          .weight2 = acute ? 1.0 : 0.0,
+                          .weight_quality = 0.0};
+    ShapeLanes shape;
+    SlopeLanes slopes;
+    measure(tets, true, shape);
+    if (!acute)
+        for (Lanes &slope : slopes.cosine)
+            slope = Lanes{};
+    penalize(shape, form, terms, energy, slopes);
+    add_needles(shape, form_.needle_cosine, form_.needle_weight, energy, &slopes);
+    differentiate(tets, shape, slopes, true, gradient);
+    evaluations_ += kLanes;
+}
+
 void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const {
     TetLanes lanes;
     const TermLanes terms = flatness_terms(kDegenerate);

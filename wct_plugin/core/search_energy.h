@@ -56,6 +56,10 @@ class SearchEnergy {
     /// Energies (with count) of the star's tets with its vertex at x, in the order of the complex's star list.
     void each(StarLanes &star, const Vec3 &x, double *energies) const;
 
+    /// Energies and gradients at all corners in a smooth form, for vertices that move together: quadratic penalties, no
+    /// count.
+    void smooth(const TetLanes &tets, const TermLanes &terms, Lanes &energy, GradientLanes &gradient) const;
+
     /// Tet energies (and gradients) evaluated so far.
     long evaluations() const { return evaluations_; }
 

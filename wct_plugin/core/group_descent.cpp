@@ -1,0 +1,181 @@
+#include "group_descent.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace wct {
+
+namespace {
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+} // namespace
+
+void GroupDescent::gather(int t) {
+    free_.clear();
+    tets_.clear();
+    number_.resize(complex_.vertex_slots(), -1);
+    for (int v : complex_.tet(t))
+        for (int s : complex_.star(v))
+            for (int w : complex_.tet(s))
+                if (number_[w] < 0 && complex_.vertex(w).stratum != Stratum::corner) {
+                    number_[w] = static_cast<int>(free_.size());
+                    free_.push_back(w);
+                }
+    for (int v : free_)
+        tets_.insert(tets_.end(), complex_.star(v).begin(), complex_.star(v).end());
+    std::sort(tets_.begin(), tets_.end());
+    tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
+    corners_.resize(tets_.size());
+    for (std::size_t k = 0; k < tets_.size(); ++k)
+        for (int i = 0; i < 4; ++i)
+            corners_[k][i] = number_[complex_.tet(tets_[k])[i]];
+    for (int v : free_)
+        number_[v] = -1;
+}
+
+void GroupDescent::load() {
+    const std::size_t groups = (tets_.size() + kLanes - 1) / kLanes;
+    lanes_.resize(groups);
+    terms_.assign(groups, flatness_terms(kDegenerate));
+    for (std::size_t k = 0; k < groups * kLanes; ++k) {
+        const Tet &tet = complex_.tet(tets_[std::min(k, tets_.size() - 1)]);
+        for (int i = 0; i < 4; ++i)
+            lanes_[k / kLanes].set(static_cast<int>(k % kLanes), i, complex_.point(tet[i]));
+    }
+    for (std::size_t g = 0; g < groups; ++g) {
+        WorstLanes worst; // what is flatter than allowed already may stay so
+        measure_worst(lanes_[g], false, worst);
+        for (int lane = 0; lane < kLanes; ++lane)
+            if (worst.flatness[lane] <= kDegenerate)
+                terms_[g].flatness[lane] = 0.999 * worst.flatness[lane];
+    }
+}
+
+/// Free vertices at from + t step, each on its stratum; false if one may not move at all.
+bool GroupDescent::place(const Field &from, double t, const Field &step, Field &to) {
+    to = from;
+    add(to, t, step);
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        const Vertex &vertex = complex_.vertex(free_[i]);
+        if (vertex.stratum != Stratum::interior && !guide_.admit(vertex, to[i], &freedoms_[i], hints_[i]))
+            return false;
+    }
+    return true;
+}
+
+double GroupDescent::evaluate(const Field &at, Field &gradient) {
+    gradient.assign(free_.size(), {});
+    double sum = 0.0;
+    for (std::size_t g = 0; g < lanes_.size(); ++g) {
+        const std::size_t first = g * kLanes;
+        for (int lane = 0; lane < kLanes; ++lane)
+            for (int i = 0; i < 4; ++i)
+                if (const int n = corners_[std::min(first + lane, tets_.size() - 1)][i]; n >= 0)
+                    lanes_[g].set(lane, i, at[n]);
+        Lanes energy;
+        GradientLanes pull;
+        energy_.smooth(lanes_[g], terms_[g], energy, pull);
+        const int used = static_cast<int>(std::min<std::size_t>(kLanes, tets_.size() - first));
+        for (int lane = 0; lane < used; ++lane) {
+            sum += energy[lane];
+            for (int i = 0; i < 4; ++i)
+                if (const int n = corners_[first + lane][i]; n >= 0)
+                    gradient[n] += {pull.corner[i][0][lane], pull.corner[i][1][lane], pull.corner[i][2][lane]};
+        }
+        if (!(sum < kInfinity))
+            return kInfinity;
+    }
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        gradient[i] = freedoms_[i].of(gradient[i]);
+    return sum;
+}
+
+bool GroupDescent::relax_round(int t) {
+    constexpr std::size_t memory = 8;
+    constexpr int iterations = 10;
+    constexpr int halvings = 8;
+    constexpr double first = 0.05, most = 0.3; // steps, in sizes
+    constexpr double worth = 1e-3;             // relative drop for which to go on
+    gather(t);
+    if (free_.empty())
+        return false;
+    load();
+    hints_.assign(free_.size(), 0);
+    freedoms_.assign(free_.size(), {});
+    const double size = complex_.vertex(complex_.tet(t)[0]).size;
+    Field at, next, gradient, slope;
+    for (int v : free_)
+        at.push_back(complex_.point(v));
+    if (!place(at, 0.0, at, next)) // for the freedoms there
+        return false;
+    double energy = evaluate(at, gradient);
+    const double start = energy;
+    LbfgsMemory pairs(memory);
+    for (int k = 0; k < iterations && energy > 0.0 && energy < kInfinity; ++k) {
+        Field step = gradient;
+        if (pairs.empty())
+            for (Vec3 &v : step)
+                v = (-first * size / longest(gradient)) * v;
+        else
+            step = pairs.direction(gradient);
+        for (std::size_t i = 0; i < free_.size(); ++i)
+            step[i] = freedoms_[i].of(step[i]);
+        const double descent = inner(step, gradient);
+        double length = std::min(1.0, most * size / longest(step));
+        double trial = kInfinity;
+        bool lower = false;
+        for (int halving = 0; halving < halvings && descent < 0.0 && !lower; ++halving, length *= 0.4) {
+            place(at, length, step, next);
+            trial = evaluate(next, slope);
+            lower = trial <= energy + 1e-4 * length * descent;
+        }
+        if (!lower) {
+            if (pairs.empty())
+                break;
+            pairs.clear();
+            continue;
+        }
+        Field moved = next, change = slope;
+        add(moved, -1.0, at);
+        add(change, -1.0, gradient);
+        pairs.remember(std::move(moved), std::move(change));
+        const double gain = energy - trial;
+        at.swap(next);
+        gradient.swap(slope);
+        energy = trial;
+        if (gain < worth * energy)
+            break;
+    }
+    return energy < start && settle(at);
+}
+
+bool GroupDescent::settle(const Field &at) {
+    complex_.mark();
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        const int v = free_[i];
+        if (complex_.vertex(v).stratum == Stratum::interior) {
+            complex_.move(v, at[i]);
+            continue;
+        }
+        watch_.gather(v);
+        if (!watch_.allows(at[i]))
+            continue;
+        complex_.move(v, at[i]);
+        watch_.settle(at[i]);
+    }
+    measured_.clear();
+    for (int t : tets_)
+        measured_.push_back(complex_.tet(t));
+    energies_.resize(tets_.size());
+    energy_.of(complex_, measured_, energies_.data());
+    // Where some vertices stayed, a tet may have turned over between them and those that moved.
+    if (std::find(energies_.begin(), energies_.end(), kInfinity) != energies_.end()) {
+        complex_.rollback();
+        return false;
+    }
+    for (std::size_t k = 0; k < tets_.size(); ++k)
+        complex_.set_energy(tets_[k], energies_[k]);
+    complex_.commit();
+    return true;
+}
+
+} // namespace wct

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "lbfgs_memory.h"
+#include "search_energy.h"
+#include "surface_watch.h"
+
+#include <vector>
+
+namespace wct {
+
+/// Moves the vertices of a neighbourhood downhill together, by L-BFGS (Nocedal 1980) on a smooth form of the energy.
+/// One by one they jam where two tets pull a vertex both ways, although the two could give way together.
+class GroupDescent {
+  public:
+    GroupDescent(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, SurfaceWatch &watch)
+        : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
+
+    /// Move the vertices of t and of all tets at them, by a few steps; true if they moved (journaled). No tet inverts.
+    /// Surface vertices that would take a facet out of the tolerance stay where they are.
+    bool relax_round(int t);
+
+  private:
+    void gather(int t);
+    void load();
+    bool place(const Field &from, double t, const Field &step, Field &to);
+    double evaluate(const Field &at, Field &gradient);
+    bool settle(const Field &at);
+
+    TetComplex &complex_;
+    const SearchEnergy &energy_;
+    const SurfaceGuide &guide_;
+    SurfaceWatch &watch_;
+    std::vector<int> free_;                   // vertices that move
+    std::vector<int> tets_;                   // tets at them
+    std::vector<int> number_;                 // per vertex: its place in free_, -1 between calls
+    std::vector<std::array<int, 4>> corners_; // per tet: places in free_, -1 for corners that stay
+    std::vector<TetLanes> lanes_;
+    std::vector<TermLanes> terms_;
+    std::vector<std::int32_t> hints_; // per free vertex: where the surface was found
+    std::vector<Freedom> freedoms_;
+    std::vector<Tet> measured_;
+    std::vector<double> energies_;
+};
+
+} // namespace wct
