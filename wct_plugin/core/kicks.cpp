@@ -5,6 +5,10 @@
 
 namespace wct {
 
+namespace {
+constexpr double kLoose = 1.0; // how far beyond the tolerance a kick may go, in tolerances
+} // namespace
+
 void Kicks::ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out) {
     out.assign(1, vertex);
     marks_.resize(complex_.vertex_slots(), 0);
@@ -42,6 +46,27 @@ void Kicks::open_wedges(int t) {
     }
 }
 
+void Kicks::mend_valence(int t) {
+    constexpr std::size_t few = 4;
+    constexpr double slack = std::numeric_limits<double>::infinity();
+    const Tet tet = complex_.tet(t);
+    for (int v : tet) {
+        if (!complex_.used(v) || complex_.vertex(v).stratum != Stratum::patch)
+            continue;
+        complex_.surface_at(v, facets_, patches_);
+        if (facets_.size() > few)
+            continue;
+        const Facet &facet = facets_[random_.below(static_cast<int>(facets_.size()))];
+        int i = 0;
+        while (facet[i] != v)
+            ++i;
+        const int a = facet[(i + 1) % 3], b = facet[(i + 2) % 3];
+        watch_.loose = kLoose;
+        random_.coin() ? operators_.collapse(v, random_.coin() ? a : b, slack) : operators_.remove_edge(a, b, slack);
+        watch_.loose = 0.0;
+    }
+}
+
 void Kicks::shake(int t, const Kick &kick) {
     const Tet tet = complex_.tet(t);
     const Vec3 center =
@@ -57,6 +82,8 @@ void Kicks::shake(int t, const Kick &kick) {
             descent_.nudge(v, complex_.point(v) + (kick.sigma * complex_.vertex(v).size) * random_.normal3());
     if (random_.coin())
         open_wedges(t);
+    if (random_.coin())
+        mend_valence(t);
     for (int k = 0; k < kick.operators; ++k) {
         const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
         if (complex_.used(v))
@@ -126,8 +153,9 @@ bool Kicks::once() {
     operators_.shortest *= scale;
     operators_.longest *= scale;
     complex_.mark();
+    const int over = complex_.over_count();
     shake(t, kick);
-    const bool keep = repair(kick, center, radius);
+    const bool keep = repair(kick, center, radius) && complex_.over_count() <= over;
     operators_.shortest /= scale;
     operators_.longest /= scale;
     if (!keep) {

@@ -12,9 +12,9 @@ namespace wct {
 /// neighbourhood search (Mladenović, Hansen 1997): most places yield to small ones, which cost least.
 class Kicks {
   public:
-    Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent, Repair &repair,
-          Random &random)
-        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), repair_(repair),
+    Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
+          SurfaceWatch &watch, Repair &repair, Random &random)
+        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), watch_(watch), repair_(repair),
           random_(random), agenda_(complex, energy, random) {}
 
     /// Look for bad tets afresh, after changes made elsewhere.
@@ -34,6 +34,9 @@ class Kicks {
     /// Two creases that meet in a corner at a right or obtuse angle span no acute facet: split every edge at the
     /// corners of t that closes such a facet. Chance finds this seldom, since all wedges of a corner must open at once.
     void open_wedges(int t);
+    /// Four facets round a vertex of a patch are not all acute unless it stands out like a tip, and the tolerance may
+    /// not let it: flip an edge opposite to it, or do away with it. On the way facets may leave the tolerance.
+    void mend_valence(int t);
     void shake(int t, const Kick &kick);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
     /// has been tried before.
@@ -44,9 +47,12 @@ class Kicks {
     const SearchEnergy &energy_;
     Operators &operators_;
     StarDescent &descent_;
+    SurfaceWatch &watch_;
     Repair &repair_;
     Random &random_;
     Agenda agenda_;
+    std::vector<Facet> facets_;
+    std::vector<int> patches_;
     std::vector<int> marks_;
     int mark_ = 0;
     std::vector<int> changed_;

@@ -46,7 +46,7 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
       operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_),
       group_(complex, energy_, guide, watch_), random_(options.seed),
       repair_(complex, energy_, operators_, descent_, group_, random_),
-      kicks_(complex, energy_, operators_, descent_, repair_, random_) {
+      kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
 }

@@ -96,7 +96,7 @@ void SurfaceWatch::skip_known_edges() {
 
 bool SurfaceWatch::allows_replacing() {
     skip_known_edges();
-    double allowed = 0.0; // no facet may be farther over than one it replaces
+    double allowed = loose; // no facet may be farther over than one it replaces
     for (const Piece &piece : old_)
         allowed = std::max(allowed, piece.was_over * (1.0 + 1e-9));
     for (Piece &piece : new_) {
@@ -234,7 +234,7 @@ bool SurfaceWatch::landmarks_covered() {
                 continue;
             if (cover(l, old_[i]))
                 continue;
-            if (old_[i].was_over <= 0.0)
+            if (old_[i].was_over <= 0.0 && (vertex_ >= 0 || loose <= 0.0))
                 return false;
             Piece *owner = vertex_ >= 0 ? &new_[i] : nearest(l, old_[i].patch);
             if (!owner)

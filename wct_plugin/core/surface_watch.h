@@ -28,6 +28,10 @@ class SurfaceWatch {
     /// stay over are then to be measured anew: true if there are such facets.
     bool replace();
 
+    /// How far beyond the tolerance facets that come may be for now, in tolerances: a neighbourhood that is being
+    /// rearranged may leave it on the way. 0 at rest.
+    double loose = 0.0;
+
     /// Moving vertex v: name it, ask about places for it, and settle at one that was allowed.
     void gather(int v);
     bool allows(const Vec3 &x);

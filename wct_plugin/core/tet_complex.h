@@ -73,6 +73,8 @@ class TetComplex {
     double over(const Tet &tet) const;
     double over(const Facet &key) const { return surface_.at(key).over; }
     void set_over(const Facet &key, double over);
+    /// How many facets are beyond the tolerance.
+    int over_count() const { return over_count_; }
     const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
     void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
     /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
