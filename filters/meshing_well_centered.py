@@ -87,7 +87,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
-    With ``boundary`` keep or fixed, or where tagged facets lie inside a region, the search starts from the mesh itself.
+    With ``boundary`` keep or fixed the inside is filled anew between the facets of the surface, at most twice as fine.
+    Where those or tagged facets inside a region rule a new start out, the search starts from the mesh itself.
     Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
     follow their own facets instead of it.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
@@ -126,6 +127,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         start = None
         if moves and not sheets:
             start = self._resample(mesh, reference, held, wanted, listen)
+        elif not moves:
+            start = self._refill(mesh, own, wanted, listen)
+            if start is not None and self._share(start) >= self._bad(measured) / len(measured):
+                start = None
         if start is None or listen.stopped:
             reference = own
             start = _from_mesh(mesh, own, options.boundary)
@@ -144,6 +149,11 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         result = self._judge(mesh, own, better, after, tolerance, stopped=found["stopped"])
         work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
         return better, {**result, **work, "tolerance": tolerance / diagonal}
+
+    def _share(self, start: dict[str, Any]) -> float:
+        """Of the tets that miss the goal in a start of the search."""
+        measured = quality.measure(TetMesh(start["points"], start["tets"]))
+        return self._bad(measured) / len(measured)
 
     def _bad(self, measured: Quality) -> int:
         good = measured.completely_well_centered if self.options.goal == "cwc" else measured.well_centered_3
@@ -233,6 +243,45 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "facet_patch": found["facet_patch"],
             "creases": found["creases"],
             "crease_curve": found["crease_curve"],
+        }
+
+    def _refill(
+        self, mesh: TetMesh, own: Reference, size: Floats | None, listen: "_Listener"
+    ) -> dict[str, Any] | None:
+        """The inside filled anew between the surface's facets, or None where these leave no choice."""
+        strata = own.strata
+        found = _core.refill(
+            mesh.points,
+            mesh.tets,
+            np.searchsorted(own.regions, mesh.regions),
+            np.flatnonzero(strata.stratum > 0),
+            strata.triangles,
+            strata.patch,
+            own.sides,
+            strata.segments,
+            size=size,
+            cosines=self.options.goal == "cwc",
+            seed=self.options.seed + 1,
+            progress=listen.resample,
+        )
+        if not len(found["tets"]):
+            return None
+        origin = found["origin"]
+        old = origin >= 0
+        place = np.full(len(mesh.points), -1)
+        place[origin[old]] = np.flatnonzero(old)
+        pinned = old & (strata.stratum[origin] > 0)
+        return {
+            "points": found["points"],
+            "tets": found["tets"],
+            "regions": found["regions"],
+            "stratum": np.where(pinned, 3, 0).astype(np.int8),
+            "label": np.where(pinned, strata.label[origin], -1),
+            "size": found["size"],
+            "facets": place[strata.triangles],
+            "facet_patch": strata.patch,
+            "creases": place[strata.segments],
+            "crease_curve": strata.curve,
         }
 
 
