@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, edge_length, quality
+from wct_plugin import _core, edge_length, fixed_facets, quality
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
@@ -136,7 +136,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             start = _from_mesh(mesh, own, options.boundary)
             if wanted is not None:
                 start["size"] = wanted
-        found = self._search(start, reference, held, listen)
+        found = self._search(mesh, start, reference, held, listen)
         better = carry(mesh, own.strata, _resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
@@ -181,11 +181,15 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
     def _search(
-        self, start: dict[str, Any], reference: Reference, tolerance: float, listen: "_Listener"
+        self, mesh: TetMesh, start: dict[str, Any], reference: Reference, tolerance: float, listen: "_Listener"
     ) -> "SearchedArrays":
         options = self.options
+        hopeless = None
+        if options.boundary == "fixed":
+            hopeless = fixed_facets.ruled_out(mesh, reference.strata, acute=options.goal == "cwc")
         return _core.search_well_centered(
             **start,
+            ruled_out=hopeless,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
             surface_patch=reference.strata.patch,
@@ -245,9 +249,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "crease_curve": found["crease_curve"],
         }
 
-    def _refill(
-        self, mesh: TetMesh, own: Reference, size: Floats | None, listen: "_Listener"
-    ) -> dict[str, Any] | None:
+    def _refill(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: "_Listener") -> dict[str, Any] | None:
         """The inside filled anew between the surface's facets, or None where these leave no choice."""
         strata = own.strata
         found = _core.refill(
@@ -344,8 +346,8 @@ class _Listener:
         return not self.stopped
 
     def search(self, phase: str, done: float, bad: int) -> bool:
-        # All tets meet the goal once their margin is worked on.
-        self._bad = 0 if phase == "margin" else bad
+        if phase != "margin":  # there, all that can meet the goal do
+            self._bad = bad
         stage = f"local search: margin, {bad} tets short of it" if phase == "margin" else f"local search: {phase}"
         self.stopped = self.stopped or not self._tell(stage, done)
         return not self.stopped

@@ -259,6 +259,7 @@ def search_well_centered(
     kicks: int,
     seed: int,
     progress: Callable[[str, float, int], Any] | None = None,
+    ruled_out: NDArray[np.int64] | None = None,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 

@@ -7,15 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 namespace wct {
 
 namespace {
 
-/// Drop the new points that lie in a protecting ball, crowd another or left the open part of the domain.
+/// Puts pinned points back, new ones out of the protecting balls, and drops those of them that find no place.
 class Keeper {
   public:
-    Keeper(const PinnedFacets &facets) : facets_(facets), first_(facets.points().size()) {}
+    Keeper(const PinnedFacets &facets, const InputMesh &mesh)
+        : facets_(facets), mesh_(mesh), first_(facets.points().size()) {}
 
     void clear(Cloud &cloud) const {
         constexpr double least = 0.35; // distance of new points, in sizes
@@ -23,7 +25,10 @@ class Keeper {
         PointGrid grid;
         for (std::size_t i = 0; i < cloud.count(); ++i) {
             const double radius = least * cloud.size[i];
-            keep[i] = i < first_ || (facets_.clear(cloud.points[i]) && !grid.crowded(cloud.points[i], radius));
+            if (i < first_)
+                cloud.points[i] = mesh_.points[facets_.points()[i]]; // the descent rounds
+            else
+                keep[i] = facets_.clear(cloud.points[i]) && !grid.crowded(cloud.points[i], radius);
             if (keep[i])
                 grid.add(cloud.points[i], radius);
         }
@@ -54,6 +59,7 @@ class Keeper {
 
   private:
     const PinnedFacets &facets_;
+    const InputMesh &mesh_;
     std::size_t first_;
 };
 
@@ -71,6 +77,12 @@ Cloud seeds(const PinnedFacets &facets, const Reference &reference, const InputM
     }
     cloud.keep(open);
     return cloud;
+}
+
+bool coincide(std::vector<Vec3> points) {
+    const auto key = [](const Vec3 &p) { return std::tie(p.x, p.y, p.z); };
+    std::sort(points.begin(), points.end(), [&](const Vec3 &p, const Vec3 &q) { return key(p) < key(q); });
+    return std::adjacent_find(points.begin(), points.end()) != points.end();
 }
 
 std::size_t tets_of(const Complex &complex) {
@@ -117,11 +129,13 @@ Interior merged(const Cloud &cloud, const Complex &complex, const PinnedFacets &
 Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
                 std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form,
                 Monitor &monitor) {
+    if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
+        return {};
     const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges);
     if (facets.keeps_all())
         return {};
     const RegionMap map(mesh, reference);
-    const Keeper keeper(facets);
+    const Keeper keeper(facets, mesh);
     Random random(form.seed);
     Cloud cloud;
     Complex complex;

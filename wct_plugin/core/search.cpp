@@ -68,7 +68,8 @@ int Search::count_bad() const {
 void Search::sweep(int recipe) {
     std::vector<int> tets;
     for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
-        if (complex_.alive(static_cast<int>(t)) && complex_.energy(static_cast<int>(t)) > 0.0)
+        if (complex_.alive(static_cast<int>(t)) && complex_.energy(static_cast<int>(t)) > 0.0 &&
+            (recipe == 0 || !complex_.ruled_out(static_cast<int>(t))))
             tets.push_back(static_cast<int>(t));
     repair_.pass_changed(recipe, tets);
 }
@@ -105,6 +106,7 @@ void Search::polish() {
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
+    const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
     int least = kicks_.bad();
     long vain = 0; // kicks since there were fewer bad tets than ever before
     for (long done = 0; kicks_.bad() > 0; ++done) {
@@ -113,7 +115,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase) 
             return false;
         if (done % rest == 0)
             complex_.resum();
-        outcome_.bad = kicks_.bad();
+        outcome_.bad = beside + kicks_.bad();
         if (done % 8 == 0 && !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
             outcome_.stopped = true;
             return false;
@@ -159,7 +161,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
-    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks");
+    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks") && report("kicks", 1.0);
     if (good) {
         polish();
         adopt(margin_form(options_.acute, options_.margin));
