@@ -33,6 +33,8 @@ Ints = NDArray[np.int64]
 #: Sweeps and tries at effort 1.
 _PASSES = 12
 _KICKS = 4000
+#: Where the surface stays: tet evaluations (about 17 per microsecond of CPU) per tet that a mesh without bad ones is worth.
+_WORTH = 20_000
 
 
 class MeshingOptions(Options):
@@ -190,6 +192,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return _core.search_well_centered(
             **start,
             ruled_out=hopeless,
+            worth=np.inf if options.boundary == "move" else float(_WORTH * options.effort),
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
             surface_patch=reference.strata.patch,

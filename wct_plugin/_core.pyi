@@ -260,6 +260,7 @@ def search_well_centered(
     seed: int,
     progress: Callable[[str, float, int], Any] | None = None,
     ruled_out: NDArray[np.int64] | None = None,
+    worth: float = ...,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -272,7 +273,9 @@ def search_well_centered(
     Facets and surface stay within ``tolerance``, a length, of each other, or come nearer where they were farther apart;
     planar patches and straight creases are kept exactly. ``flip_surface`` and ``split_surface`` say whether surface
     facets may be flipped, and crease edges and surface edges split or collapsed. At most ``passes`` sweeps and
-    ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
+    ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`. ``ruled_out`` (r,): rows of ``facets``
+    on which no tet can meet the goal as long as they stay; only where the surface is neither flipped nor split.
+    ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     """
 
 def closest_points(

@@ -54,8 +54,8 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
     const auto of_sides = rows<std::int64_t>(sides, 2, "sides");
     for (std::size_t i = 0; i < of_sides.size(); i += 2)
         surface.sides.push_back({static_cast<int>(of_sides[i]), static_cast<int>(of_sides[i + 1])});
-    surface.patch = numbers_of(facet_patch, surface.triangles.size(),
-                               static_cast<std::int64_t>(surface.sides.size()), "facet_patch");
+    surface.patch = numbers_of(facet_patch, surface.triangles.size(), static_cast<std::int64_t>(surface.sides.size()),
+                               "facet_patch");
     const auto held = cells_of<2>(edges, mesh.points.size(), "edges");
     std::vector<char> stay(mesh.points.size(), 0);
     for (const int v : numbers_of(pinned, rows<std::int64_t>(pinned, 0, "pinned").size(),
@@ -87,16 +87,16 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
 } // namespace
 
 void bind_interior(nb::module_ &m) {
-    m.def("refill", &refill_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"), nb::arg("pinned"),
-          nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"), nb::kw_only(),
-          nb::arg("size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
-          nb::arg("progress") = nb::none(),
-          "Fill a mesh anew between its surface facets, which stay: points, tets, region per tet >= 0; pinned points,\n"
-          "facets (f, 3) with their patch (f,), sides (patches, 2) as in resample, edges (e, 2) that stay. size: wanted\n"
-          "edge length per point; without it the new mesh has up to twice the tets. progress(done, bad) returns False\n"
-          "to stop.\n\n"
-          "Returns a dict: points, origin (the input's point, -1 for a new one), size (edge length wanted), tets,\n"
-          "regions, stopped. No tets where the facets leave no choice, or where it was stopped early.");
+    m.def(
+        "refill", &refill_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"), nb::arg("pinned"),
+        nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"), nb::kw_only(),
+        nb::arg("size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+        "Fill a mesh anew between its surface facets, which stay: points, tets, region per tet >= 0; pinned points,\n"
+        "facets (f, 3) with their patch (f,), sides (patches, 2) as in resample, edges (e, 2) that stay. size: wanted\n"
+        "edge length per point; without it the new mesh has up to twice the tets. progress(done, bad) returns False\n"
+        "to stop.\n\n"
+        "Returns a dict: points, origin (the input's point, -1 for a new one), size (edge length wanted), tets,\n"
+        "regions, stopped. No tets where the facets leave no choice, or where it was stopped early.");
 }
 
 } // namespace wct

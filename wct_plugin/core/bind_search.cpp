@@ -6,6 +6,7 @@
 #include <nanobind/stl/optional.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -145,7 +146,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &surface_triangles, const Array &surface_patch, const Array &surface_segments,
                               const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
-                              const nb::object &progress, const std::optional<Array> &ruled_out) {
+                              const nb::object &progress, const std::optional<Array> &ruled_out, double worth) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -187,6 +188,9 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
         refuse("passes is " + std::to_string(passes) + " and kicks is " + std::to_string(kicks) +
                "; neither may be negative");
 
+    if (!(worth >= 0.0))
+        refuse("worth is " + std::to_string(worth) + "; it may not be negative");
+
     TetComplex complex;
     const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.125 * mean_size(wanted, role));
     for (std::size_t v = 0; v < at.size(); ++v) {
@@ -211,6 +215,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.passes = passes;
     options.kicks = kicks;
     options.seed = seed;
+    options.worth = worth;
     SearchOutcome outcome;
     {
         nb::gil_scoped_release release;
@@ -230,7 +235,7 @@ void bind_search(nb::module_ &m) {
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
           nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
-          nb::arg("ruled_out") = nb::none());
+          nb::arg("ruled_out") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity());
 }
 
 } // namespace wct

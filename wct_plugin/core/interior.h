@@ -18,10 +18,10 @@ namespace wct {
 struct InteriorForm {
     double size = 0.8; // of the new tets, relative to the input's own or the wanted size
     double most = 2.0; // tets per tet of the input; larger ones are made where that would be passed
-    SeedForm seeds;
+    SeedForm seeds{.edge_per_cell = 1.2};
     int sweeps = 25; // of relaxation
     double step = 0.7;
-    int rounds = 12;     // of descent
+    int rounds = 6;      // of descent
     int iterations = 15; // of L-BFGS per round
     double reach = 0.1;  // longest step of a point, in sizes
     bool cosines = true;

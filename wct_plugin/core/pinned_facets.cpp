@@ -157,8 +157,7 @@ void PinnedFacets::protect(const Triangulation &all, std::vector<char> &missing)
                 continue;
             missing[k] = 0;
             const Vec3 &p = mesh_.points[points_[facet[0]]];
-            const Vec3 n = unit(
-                cross(mesh_.points[points_[facet[1]]] - p, mesh_.points[points_[facet[2]]] - p));
+            const Vec3 n = unit(cross(mesh_.points[points_[facet[1]]] - p, mesh_.points[points_[facet[2]]] - p));
             const Vec3 d = mesh_.points[points_[all.tets[t][i]]] - balls_[k].center;
             // Centers are balls_[k].center + x n; at this x the sphere meets the apex.
             const double height = dot(n, d), power = dot(d, d) - balls_[k].radius * balls_[k].radius;

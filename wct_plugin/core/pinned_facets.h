@@ -59,7 +59,7 @@ class PinnedFacets {
     std::vector<char> kept_;
     std::size_t kept_count_ = 0;
     std::vector<int> points_;
-    std::vector<Sides> sides_; // by facet
+    std::vector<Sides> sides_;               // by facet
     std::vector<std::array<int, 2>> behind_; // per entry of sides_: input tets below and above, -1 where none is open
     std::vector<Ball> balls_;
     BoxTree tree_;

@@ -109,9 +109,10 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase) 
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
     int least = kicks_.bad();
     long vain = 0; // kicks since there were fewer bad tets than ever before
+    Price price;
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = patience(least);
-        if (vain >= limit)
+        if (vain >= limit || !worthwhile(price, least))
             return false;
         if (done % rest == 0)
             complex_.resum();
@@ -121,14 +122,29 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase) 
             return false;
         }
         ++outcome_.kicks;
+        const long before = energy_.evaluations();
         outcome_.accepted += kicks_.once();
         ++vain;
+        price.add(static_cast<double>(energy_.evaluations() - before), std::max(0, least - kicks_.bad()));
         if (kicks_.bad() < least) {
             least = kicks_.bad();
             vain = 0;
         }
     }
     return true;
+}
+
+void Search::Price::add(double evaluations, int fewer) {
+    constexpr double keep = 1.0 - 1.0 / 24.0;
+    spent += evaluations;
+    work = keep * work + evaluations;
+    gone = keep * gone + fewer;
+}
+
+bool Search::worthwhile(const Price &price, int bad) const {
+    constexpr double small = 2000.0; // tets: a mesh of less is worth as much
+    return price.spent < options_.worth * small ||
+           price.work * bad <= options_.worth * static_cast<double>(complex_.tets()) * price.gone;
 }
 
 long Search::patience(int bad) const {
