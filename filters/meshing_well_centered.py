@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, edge_length, fixed_facets, quality
+from wct_plugin import _core, edge_length, fixed_facets, quality, starts
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
@@ -21,6 +21,7 @@ from wct_plugin.reference_choice import choose
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.starts import Start
 from wct_plugin.surface import pinched, strata
 from wct_plugin.transfer import Resampled, carry
 
@@ -33,7 +34,7 @@ Ints = NDArray[np.int64]
 #: Sweeps and tries at effort 1.
 _PASSES = 12
 _KICKS = 4000
-#: Where the surface stays: tet evaluations (about 17 per microsecond of CPU) per tet that a mesh without bad ones is worth.
+#: Where the surface stays: what a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond).
 _WORTH = 20_000
 
 
@@ -127,15 +128,13 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         measured = quality.measure(mesh)
         listen = _Listener(progress, self._bad(measured))
         start = None
-        if moves and not sheets:
+        if not moves:
+            start = self._pinned_start(mesh, own, wanted, listen)
+        elif not sheets:
             start = self._resample(mesh, reference, held, wanted, listen)
-        elif not moves:
-            start = self._refill(mesh, own, wanted, listen)
-            if start is not None and self._share(start) >= self._bad(measured) / len(measured):
-                start = None
-        if start is None or listen.stopped:
+        if start is None or (moves and listen.stopped):
             reference = own
-            start = _from_mesh(mesh, own, options.boundary)
+            start = starts.from_mesh(mesh, own, pinned=False)
             if wanted is not None:
                 start["size"] = wanted
         found = self._search(mesh, start, reference, held, listen)
@@ -183,15 +182,14 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
     def _search(
-        self, mesh: TetMesh, start: dict[str, Any], reference: Reference, tolerance: float, listen: "_Listener"
+        self, mesh: TetMesh, start: Start, reference: Reference, tolerance: float, listen: "_Listener"
     ) -> "SearchedArrays":
         options = self.options
-        hopeless = None
-        if options.boundary == "fixed":
-            hopeless = fixed_facets.ruled_out(mesh, reference.strata, acute=options.goal == "cwc")
+        fixed = options.boundary == "fixed"
+        acute = options.goal == "cwc"
         return _core.search_well_centered(
             **start,
-            ruled_out=hopeless,
+            ruled_out=fixed_facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
             worth=np.inf if options.boundary == "move" else float(_WORTH * options.effort),
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
@@ -199,10 +197,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             surface_segments=reference.strata.segments,
             surface_curve=reference.strata.curve,
             tolerance=tolerance,
-            acute=options.goal == "cwc",
+            acute=acute,
             margin=options.margin,
-            flip_surface=options.boundary != "fixed",
-            split_surface=options.boundary != "fixed",
+            flip_surface=not fixed,
+            split_surface=not fixed,
             passes=_PASSES,
             kicks=_KICKS * options.effort,
             seed=options.seed,
@@ -252,42 +250,16 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "crease_curve": found["crease_curve"],
         }
 
-    def _refill(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: "_Listener") -> dict[str, Any] | None:
-        """The inside filled anew between the surface's facets, or None where these leave no choice."""
-        strata = own.strata
-        found = _core.refill(
-            mesh.points,
-            mesh.tets,
-            np.searchsorted(own.regions, mesh.regions),
-            np.flatnonzero(strata.stratum > 0),
-            strata.triangles,
-            strata.patch,
-            own.sides,
-            strata.segments,
-            size=size,
-            cosines=self.options.goal == "cwc",
-            seed=self.options.seed + 1,
-            progress=listen.resample,
-        )
-        if not len(found["tets"]):
-            return None
-        origin = found["origin"]
-        old = origin >= 0
-        place = np.full(len(mesh.points), -1)
-        place[origin[old]] = np.flatnonzero(old)
-        pinned = old & (strata.stratum[origin] > 0)
-        return {
-            "points": found["points"],
-            "tets": found["tets"],
-            "regions": found["regions"],
-            "stratum": np.where(pinned, 3, 0).astype(np.int8),
-            "label": np.where(pinned, strata.label[origin], -1),
-            "size": found["size"],
-            "facets": place[strata.triangles],
-            "facet_patch": strata.patch,
-            "creases": place[strata.segments],
-            "crease_curve": strata.curve,
-        }
+    def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: "_Listener") -> Start:
+        """The mesh, or its inside filled anew: whichever has the smaller share of bad tets."""
+        start = starts.from_mesh(mesh, own, pinned=True)
+        if size is not None:
+            start["size"] = size
+        acute, seed = self.options.goal == "cwc", self.options.seed + 1
+        refilled = starts.refill(start, own.sides, size, acute=acute, seed=seed, progress=listen.resample)
+        if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
+            return start
+        return refilled
 
 
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
@@ -297,27 +269,6 @@ def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
     if isinstance(surface, TetMesh):
         raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
     return surface
-
-
-def _from_mesh(mesh: TetMesh, own: Reference, boundary: str) -> dict[str, Any]:
-    """The mesh itself as the search's start; its surface vertices stay unless the boundary moves."""
-    edges = mesh.topology.edges
-    length = np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1)
-    ends = edges.ravel()
-    size = np.bincount(ends, np.repeat(length, 2)) / np.bincount(ends)
-    stratum = own.strata.stratum
-    return {
-        "points": mesh.points,
-        "tets": mesh.tets,
-        "regions": np.searchsorted(own.regions, mesh.regions),
-        "stratum": stratum if boundary == "move" else np.where(stratum > 0, 3, 0).astype(np.int8),
-        "label": own.strata.label,
-        "size": size,
-        "facets": own.strata.triangles,
-        "facet_patch": own.strata.patch,
-        "creases": own.strata.segments,
-        "crease_curve": own.strata.curve,
-    }
 
 
 def _resampled(found: "SearchedArrays", on: Reference) -> Resampled:

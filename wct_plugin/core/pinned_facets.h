@@ -30,6 +30,7 @@ class PinnedFacets {
     const std::vector<int> &points() const { return points_; }
     /// Whether an input tet is kept as it is.
     bool keeps(int tet) const { return kept_[tet] != 0; }
+    std::size_t kept() const { return kept_count_; }
     bool keeps_all() const { return kept_count_ == kept_.size(); }
 
     /// Move p out of the protecting balls; false where that fails.
