@@ -71,6 +71,7 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
     form.seed = seed;
     if (size) { // what is asked for is not to be adapted
         form.size = 1.0;
+        form.seeds = SeedForm{};
         form.most = std::numeric_limits<double>::infinity();
     }
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
