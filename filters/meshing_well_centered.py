@@ -34,8 +34,9 @@ Ints = NDArray[np.int64]
 #: Sweeps and tries at effort 1.
 _PASSES = 12
 _KICKS = 4000
-#: Where the surface stays: what a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond).
-_WORTH = 20_000
+#: What a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond), where the surface or its
+#: vertices stay and nobody knows whether there is one; more where flips of the surface can help too.
+_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": np.inf}
 
 
 class MeshingOptions(Options):
@@ -190,7 +191,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return _core.search_well_centered(
             **start,
             ruled_out=fixed_facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
-            worth=np.inf if options.boundary == "move" else float(_WORTH * options.effort),
+            worth=_WORTH[options.boundary] * options.effort,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
             surface_patch=reference.strata.patch,

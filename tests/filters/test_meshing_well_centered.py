@@ -163,6 +163,56 @@ def test_a_fixed_boundary_keeps_its_facets_bit_for_bit():
     assert quality.measure(better).well_centered_3.mean() > quality.measure(mesh).well_centered_3.mean()
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_between_fixed_facets_nearly_all_that_can_be_becomes_well_centered(turned):
+    """Most tets that still miss the goal are on facets that rule it out, however the mesh is turned."""
+    mesh = ball(4)
+    if turned:
+        mesh = TetMesh(mesh.points @ rotation(5).T, mesh.tets)
+    better, metrics = run(mesh, boundary="fixed")
+    check_domain(mesh, better)
+    assert places(better.points, better.topology.boundary) == places(mesh.points, mesh.topology.boundary)
+    assert quality.measure(mesh).completely_well_centered.mean() < 0.4
+    assert quality.measure(better).completely_well_centered.mean() > 0.97
+    assert 0 < metrics["remaining"]["proven"] < 0.02 * len(better.tets)
+    assert len(better.tets) <= 2.2 * len(mesh.tets)
+
+
+def test_regions_tagged_sheets_and_edges_stay_between_fixed_facets():
+    mesh = ball(4)
+    upper = mesh.points[mesh.tets].mean(axis=1)[:, 2] > 0
+    sheet = TetMesh(mesh.points, mesh.tets, regions=upper.astype(np.int64)).topology.interfaces
+    deep = mesh.topology.edges[~np.isin(mesh.topology.edges, mesh.topology.boundary_points).any(axis=1)][:2]
+    right = mesh.points[mesh.tets].mean(axis=1)[:, 0] > 0
+    mesh = TetMesh(
+        mesh.points,
+        mesh.tets,
+        regions=np.where(right, 5, 3),
+        facets=Cells(sheet, np.full(len(sheet), 9)),
+        edges=Cells(deep, np.array([1, 2])),
+    )
+    better, _ = run(mesh, boundary="fixed")
+    assert len(better.tets) > 1.2 * len(mesh.tets)  # filled anew
+    for old, new in (
+        (mesh.topology.boundary, better.topology.boundary),
+        (mesh.topology.interfaces, better.topology.interfaces),
+        (mesh.facets.vertices, better.facets.vertices),
+        (mesh.edges.vertices, better.edges.vertices),
+    ):
+        assert places(better.points, new) == places(mesh.points, old)
+    assert region_volumes(better) == pytest.approx(region_volumes(mesh), rel=1e-12)
+    assert sorted(better.edges.tags.tolist()) == [1, 2]
+
+
+def test_hopeless_tets_cost_no_kicks():
+    """All facets of this cylinder are right or obtuse, and every tet that is left bad rests on one."""
+    mesh = cylinder(16, 6)
+    better, metrics = run(mesh, boundary="fixed")
+    assert metrics["kicks"] == 0
+    assert metrics["remaining"]["proven"] == metrics["bad"] > 0
+    assert quality.measure(better).completely_well_centered.any()
+
+
 def test_a_kept_boundary_keeps_its_points():
     mesh = jittered_cube(3, 2)
     better, _ = run(mesh, goal="3wc", boundary="keep", progress=stop_after(5))

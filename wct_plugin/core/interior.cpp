@@ -150,8 +150,8 @@ Interior refill(const Reference &reference, const InputMesh &mesh, const std::ve
         keeper.clear(cloud);
         if (!keeper.triangulate(cloud, complex))
             return {};
-        const double share = static_cast<double>(tets_of(complex) + facets.kept()) /
-                             (form.most * static_cast<double>(mesh.tets.size()));
+        const double share =
+            static_cast<double>(tets_of(complex) + facets.kept()) / (form.most * static_cast<double>(mesh.tets.size()));
         if (share <= 1.0)
             break;
         sizes.coarsen *= 1.02 * std::cbrt(share);

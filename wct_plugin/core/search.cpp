@@ -135,14 +135,14 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase) 
 }
 
 void Search::Price::add(double evaluations, int fewer) {
-    constexpr double keep = 1.0 - 1.0 / 24.0;
+    constexpr double keep = 1.0 - 1.0 / 48.0;
     spent += evaluations;
     work = keep * work + evaluations;
     gone = keep * gone + fewer;
 }
 
 bool Search::worthwhile(const Price &price, int bad) const {
-    constexpr double small = 2000.0; // tets: a mesh of less is worth as much
+    constexpr double small = 3000.0; // tets: a mesh of less is worth as much
     return price.spent < options_.worth * small ||
            price.work * bad <= options_.worth * static_cast<double>(complex_.tets()) * price.gone;
 }
