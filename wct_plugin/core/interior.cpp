@@ -39,7 +39,7 @@ class Keeper {
     bool triangulate(Cloud &cloud, Complex &complex) const {
         for (bool again = true; again;) {
             complex.all = delaunay(cloud.points);
-            if (!facets_.label(complex))
+            if (!facets_.label(complex, cloud.points))
                 return false;
             std::vector<char> keep(cloud.count(), 0);
             std::fill_n(keep.begin(), first_, 1);
@@ -124,17 +124,9 @@ Interior merged(const Cloud &cloud, const Complex &complex, const PinnedFacets &
     return out;
 }
 
-} // namespace
-
-Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
-                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form,
-                Monitor &monitor) {
-    if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
-        return {};
-    const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges);
-    if (facets.keeps_all())
-        return {};
-    const RegionMap map(mesh, reference);
+/// Empty where not all facets come out.
+Interior fill(const PinnedFacets &facets, const Reference &reference, const InputMesh &mesh, const RegionMap &map,
+              std::span<const double> wanted, const InteriorForm &form, Monitor &monitor) {
     const Keeper keeper(facets, mesh);
     Random random(form.seed);
     Cloud cloud;
@@ -193,6 +185,26 @@ Interior refill(const Reference &reference, const InputMesh &mesh, const std::ve
     }
     best.stopped = monitor.stopped();
     return best;
+}
+
+} // namespace
+
+Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
+                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form,
+                Monitor &monitor) {
+    if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
+        return {};
+    const RegionMap map(mesh, reference);
+    Interior interior;
+    for (const bool squares : {true, false}) {
+        if (!interior.tets.empty() || monitor.stopped())
+            break;
+        const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges, squares);
+        if (!facets.keeps_all())
+            interior = fill(facets, reference, mesh, map, wanted, form, monitor);
+    }
+    interior.stopped = monitor.stopped();
+    return interior;
 }
 
 } // namespace wct

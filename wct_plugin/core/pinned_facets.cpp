@@ -1,5 +1,7 @@
 #include "pinned_facets.h"
 
+#include "diagonals.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,8 +31,9 @@ bool ascend(Facet &f) {
 } // namespace
 
 PinnedFacets::PinnedFacets(const InputMesh &mesh, std::span<const Facet> facets, const std::vector<char> &pinned,
-                           std::span<const Edge> edges)
-    : mesh_(mesh), pinned_(pinned), facets_(facets.begin(), facets.end()), kept_(mesh.tets.size(), 0) {
+                           std::span<const Edge> edges, bool squares)
+    : mesh_(mesh), pinned_(pinned), squares_(squares), facets_(facets.begin(), facets.end()),
+      kept_(mesh.tets.size(), 0) {
     for (Facet &facet : facets_)
         ascend(facet);
     std::sort(facets_.begin(), facets_.end());
@@ -59,7 +62,9 @@ PinnedFacets::PinnedFacets(const InputMesh &mesh, std::span<const Facet> facets,
         std::vector<Vec3> at;
         for (const int v : points_)
             at.push_back(mesh.points[v]);
-        protect(delaunay(at), missing);
+        Triangulation all = delaunay(at);
+        recover(all, at);
+        protect(all, missing);
     } while (keep_behind(missing));
     std::vector<Box> boxes;
     for (const Ball &ball : balls_) {
@@ -134,6 +139,28 @@ int PinnedFacets::find(const Facet &facet) const {
     return at != sides_.end() && at->facet == facet ? static_cast<int>(at - sides_.begin()) : -1;
 }
 
+void PinnedFacets::recover(Triangulation &all, std::span<const Vec3> at) const {
+    if (!squares_)
+        return;
+    constexpr int rounds = 3; // a tet may be beside more than one square
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<char> seen(sides_.size(), 0);
+        for (const auto &tet : all.tets)
+            for (const auto &f : kFacets) {
+                Facet facet{tet[f[0]], tet[f[1]], tet[f[2]]};
+                ascend(facet);
+                if (const int k = find(facet); k >= 0)
+                    seen[k] = 1;
+            }
+        std::vector<Facet> missing;
+        for (std::size_t k = 0; k < sides_.size(); ++k)
+            if (!seen[k])
+                missing.push_back(sides_[k].facet);
+        if (swap_diagonals(all, at, missing) == 0)
+            return;
+    }
+}
+
 /// Find each facet's ball from the two tets at it in the triangulation of the pinned points alone.
 void PinnedFacets::protect(const Triangulation &all, std::vector<char> &missing) {
     constexpr double room = 1e-6; // between the balls that touch a point on either side, in radii
@@ -167,11 +194,21 @@ void PinnedFacets::protect(const Triangulation &all, std::vector<char> &missing)
             else
                 limits[k][0] = x;
         }
+    std::vector<Box> boxes(points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i)
+        boxes[i].add(mesh_.points[points_[i]]);
+    const BoxTree near(boxes);
+    const auto empty = [&](const Ball &ball) {
+        const double square = ball.radius * ball.radius * (1.0 - 1e-9);
+        return !near.visit([&](const Box &box) { return box.square(ball.center) < square; },
+                           [&](std::size_t i) { return boxes[i].square(ball.center) < square; });
+    };
     for (std::size_t k = 0; k < sides_.size(); ++k) {
         const auto [lo, hi] = limits[k];
         Ball &ball = balls_[k];
         if (missing[k] || !(hi - lo > room * ball.radius)) {
-            missing[k] = 1;
+            // Points on the smallest ball itself, as in squares, leave the choice that swap_diagonals makes.
+            missing[k] = !(squares_ && empty(ball));
             continue;
         }
         const auto &[a, b, c] = sides_[k].facet;
@@ -220,7 +257,8 @@ bool PinnedFacets::clear(Vec3 &p) const {
     return false;
 }
 
-bool PinnedFacets::label(Complex &complex) const {
+bool PinnedFacets::label(Complex &complex, std::span<const Vec3> at) const {
+    recover(complex.all, at);
     const auto &tets = complex.all.tets;
     constexpr int kUnknown = -2;
     const auto count = static_cast<int>(points_.size());
@@ -244,9 +282,9 @@ bool PinnedFacets::label(Complex &complex) const {
                 queue.push_back(static_cast<int>(t));
             complex.region[t] = sides_[k].region[above];
         }
-    for (std::size_t at = 0; at < queue.size(); ++at)
+    for (std::size_t k = 0; k < queue.size(); ++k)
         for (int i = 0; i < 4; ++i) {
-            const int t = queue[at], next = complex.all.neighbours[t][i];
+            const int t = queue[k], next = complex.all.neighbours[t][i];
             if (next < 0 || (wall[t] >> i & 1) || complex.region[next] != kUnknown)
                 continue;
             complex.region[next] = complex.region[t];

@@ -23,8 +23,9 @@ class PinnedFacets {
   public:
     /// `facets`: those to keep, the boundary's all among them; `pinned`, per point: it has to stay; `edges`: those to
     /// keep, on the surface or not.
+    /// `squares`: count on swaps of diagonals where other pinned points lie on a facet's smallest ball.
     PinnedFacets(const InputMesh &mesh, std::span<const Facet> facets, const std::vector<char> &pinned,
-                 std::span<const Edge> edges);
+                 std::span<const Edge> edges, bool squares);
 
     /// Points of the input mesh that every triangulation starts with, ascending.
     const std::vector<int> &points() const { return points_; }
@@ -35,9 +36,10 @@ class PinnedFacets {
 
     /// Move p out of the protecting balls; false where that fails.
     bool clear(Vec3 &p) const;
-    /// Set the region of each tet, -1 outside and where input tets are kept. The triangulation's first points must be
-    /// points(). False if a pinned facet is missing.
-    bool label(Complex &complex) const;
+    /// Set the region of each tet, -1 outside and where input tets are kept. The triangulation is Delaunay's of `at`,
+    /// which begins with points(); where it has the other diagonal of a square, that is swapped. False if a pinned
+    /// facet is missing.
+    bool label(Complex &complex, std::span<const Vec3> at) const;
 
   private:
     /// A facet between places in points(), ascending, and the regions its normal comes from and points to.
@@ -50,12 +52,14 @@ class PinnedFacets {
         double radius = 0.0;
     };
     void gather();
+    void recover(Triangulation &all, std::span<const Vec3> at) const;
     void protect(const Triangulation &all, std::vector<char> &missing);
     bool keep_behind(const std::vector<char> &missing);
     int find(const Facet &facet) const;
 
     const InputMesh &mesh_;
     const std::vector<char> &pinned_;
+    bool squares_;
     std::vector<Facet> facets_; // to keep, ascending
     std::vector<char> kept_;
     std::size_t kept_count_ = 0;
