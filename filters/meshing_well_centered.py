@@ -91,7 +91,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
-    With ``boundary`` keep or fixed the inside is filled anew between the facets of the surface, with up to twice the tets.
+    With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
     Where those or tagged facets inside a region rule a new start out, the search starts from the mesh itself.
     Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
     follow their own facets instead of it.
