@@ -169,3 +169,35 @@ def test_an_interface_is_fixed_from_both_sides():
     mesh = two_region_cube(2)
     proven = {tet["tet"] for tet in left(mesh, boundary="fixed")["tets"] if tet["proof"]}
     assert set(mesh.topology.interface_pairs[:, [0, 2]].ravel().tolist()) <= proven
+
+
+@pytest.mark.parametrize("acute", [True, False])
+def test_facets_ruled_out_are_those_that_rule_out_each_tet_on_them(acute):
+    mesh = TetMesh(*(lambda m: (m.points * [1.0, 0.9, 1.2], m.tets))(jittered_cube(3)))
+    of = strata(mesh)
+    found = fixed_facets.ruled_out(mesh, of, acute=acute)
+    facets = {tuple(row) for row in np.sort(of.triangles[found], axis=1).tolist()}
+    said = fixed_facets.verdicts(mesh, np.arange(len(mesh.tets)), of, acute=acute)
+    for tet, why in zip(mesh.tets, said, strict=True):
+        assert bool(why) == any(tuple(row) in facets for row in np.sort(tet[FACETS], axis=1).tolist())
+    assert 0 < len(found) < len(of.triangles)
+
+
+def test_every_facet_of_kuhns_cube_rules_its_tets_out():
+    mesh = two_region_cube(2)  # the interface's facets from both sides
+    of = strata(mesh)
+    assert np.array_equal(fixed_facets.ruled_out(mesh, of, acute=True), np.arange(len(of.triangles)))
+    flat = fixed_facets.ruled_out(mesh, of, acute=False)
+    assert len(flat) == len(of.triangles)  # no square may be two right triangles
+
+
+def test_a_facet_is_not_ruled_out_where_one_side_has_room():
+    """Of an interface along a right edge one side may have room for the tet that leans out, the other not."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.7, 0.7, 0.9], [0.3, 0.3, -0.9]])
+    tets = np.array([[0, 1, 2, 3], [0, 2, 1, 4]])
+    mesh = TetMesh(points, tets, regions=np.array([1, 2]))
+    of = strata(mesh)
+    shared = {0, 1, 2}
+    assert fixed_facets.verdicts(mesh, np.array([1]), of, acute=False) == [fixed_facets.NO_ROOM]
+    ruled_out = fixed_facets.ruled_out(mesh, of, acute=False)
+    assert not any(set(of.triangles[k].tolist()) == shared for k in ruled_out)

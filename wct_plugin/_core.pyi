@@ -169,6 +169,18 @@ class SearchedArrays(SurfaceArrays):
     stopped: bool
     """Whether the listener ended the work."""
 
+class RefilledArrays(TypedDict):
+    """What :func:`refill` gives."""
+
+    points: NDArray[np.float64]
+    origin: NDArray[np.int64]
+    """(n,) the input's point, -1 for a new one"""
+    size: NDArray[np.float64]
+    """(n,) edge length wanted"""
+    tets: NDArray[np.int64]
+    regions: NDArray[np.int64]
+    stopped: bool
+
 def resample(
     surface_points: NDArray[np.float64],
     triangles: NDArray[np.int64],
@@ -198,6 +210,29 @@ def resample(
     The label of a corner is its surface point. The same input and seed give the same bits.
     """
 
+def refill(
+    points: NDArray[np.float64],
+    tets: NDArray[np.int64],
+    region: NDArray[np.int64],
+    pinned: NDArray[np.int64],
+    facets: NDArray[np.int64],
+    facet_patch: NDArray[np.int64],
+    sides: NDArray[np.int64],
+    edges: NDArray[np.int64],
+    *,
+    size: NDArray[np.float64] | None = None,
+    cosines: bool = True,
+    seed: int = 1,
+    progress: Callable[[float, int], Any] | None = None,
+) -> RefilledArrays:
+    """Fill a mesh anew between its surface facets, which stay.
+
+    ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0; indices of ``pinned`` points; ``facets`` (f, 3) with
+    their ``facet_patch`` (f,), ``sides`` (patches, 2) as in :func:`resample`; ``edges`` (e, 2) that stay.
+    ``size`` (n,): wanted edge length per point; without it the new mesh has up to twice the tets.
+    There are no tets where the facets leave no choice, or where it was stopped early.
+    """
+
 def search_well_centered(
     points: NDArray[np.float64],
     tets: NDArray[np.int64],
@@ -224,6 +259,8 @@ def search_well_centered(
     kicks: int,
     seed: int,
     progress: Callable[[str, float, int], Any] | None = None,
+    ruled_out: NDArray[np.int64] | None = None,
+    worth: float = ...,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -236,7 +273,9 @@ def search_well_centered(
     Facets and surface stay within ``tolerance``, a length, of each other, or come nearer where they were farther apart;
     planar patches and straight creases are kept exactly. ``flip_surface`` and ``split_surface`` say whether surface
     facets may be flipped, and crease edges and surface edges split or collapsed. At most ``passes`` sweeps and
-    ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
+    ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`. ``ruled_out`` (r,): rows of ``facets``
+    on which no tet can meet the goal as long as they stay; only where the surface is neither flipped nor split.
+    ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     """
 
 def closest_points(

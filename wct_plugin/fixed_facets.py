@@ -31,6 +31,23 @@ def verdicts(mesh: TetMesh, tets: Ints, of: Strata, *, acute: bool) -> list[str]
 
     ``acute``: the goal includes acute facets.
     """
+    return [next(filter(None, found.values()), "") for found in _reasons(mesh, tets, of, acute=acute)]
+
+
+def ruled_out(mesh: TetMesh, of: Strata, *, acute: bool) -> Ints:
+    """Rows of ``of.triangles`` on which no tet can meet the goal, on either side, as long as the facet stays."""
+    names = list(map(tuple, np.sort(of.triangles, axis=1).tolist()))
+    on_surface = of.stratum[mesh.tets].astype(bool).sum(axis=1) >= 3
+    open_to_some: set[tuple[int, ...]] = set()
+    beside: set[tuple[int, ...]] = set()
+    for found in _reasons(mesh, np.flatnonzero(on_surface), of, acute=acute):
+        beside.update(found)
+        open_to_some.update(facet for facet, why in found.items() if not why)
+    return np.array([k for k, name in enumerate(names) if name in beside - open_to_some], dtype=np.int64)
+
+
+def _reasons(mesh: TetMesh, tets: Ints, of: Strata, *, acute: bool) -> list[dict[tuple[int, ...], str]]:
+    """Per tet, for each of its surface facets that is not acute: why no tet on that side of it can meet the goal."""
     longest = _longest_edges(mesh.points, of.triangles)
     ends, sheets = np.unique(np.sort(of.triangles[:, _SIDES].reshape(-1, 2), axis=1), axis=0, return_counts=True)
     simple = set(map(tuple, ends[sheets == 2].tolist()))
@@ -38,16 +55,22 @@ def verdicts(mesh: TetMesh, tets: Ints, of: Strata, *, acute: bool) -> list[str]
     wedges = wedge_angles(mesh, tets)
     out = []
     for tet, wedge in zip(mesh.tets[tets], wedges, strict=True):
-        edges = [longest[key] for row in tet[FACETS].tolist() if (key := tuple(sorted(row))) in longest]
         room = {tuple(sorted(pair)): float(angle) for pair, angle in zip(tet[EDGES].tolist(), wedge, strict=True)}
-        if acute and edges:
-            out.append(NOT_ACUTE)
-        elif any(room[edge] <= 90.0 + _ROUNDING for edge in edges):
-            out.append(NO_ROOM)
-        elif any(abs(room[e] - 180.0) <= _ROUNDING and needing[e] == 2 and e in simple for e in edges):
-            out.append(NO_ROOM_FOR_TWO)
-        else:
-            out.append("")
+        found = {}
+        for row in tet[FACETS].tolist():
+            facet = tuple(sorted(row))
+            if facet not in longest:
+                continue
+            edge = longest[facet]
+            if acute:
+                found[facet] = NOT_ACUTE
+            elif room[edge] <= 90.0 + _ROUNDING:
+                found[facet] = NO_ROOM
+            elif abs(room[edge] - 180.0) <= _ROUNDING and needing[edge] == 2 and edge in simple:
+                found[facet] = NO_ROOM_FOR_TWO
+            else:
+                found[facet] = ""
+        out.append(found)
     return out
 
 

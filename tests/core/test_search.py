@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import ball, jittered_cube, sphere_surface
+from builders import ball, cylinder, jittered_cube, sphere_surface
 
 from wct_plugin import _core, quality
 from wct_plugin.deviation import deviation
@@ -229,3 +229,42 @@ def test_a_missing_boundary_facet_and_inverted_tets_are_refused():
 def test_bad_options_are_refused(option):
     with pytest.raises(ValueError, match=next(iter(option))):
         search(jittered_cube(3, 6), **option)
+
+
+# --- where the surface stays ----------------------------------------------------------------------------------------
+
+
+def fixed(mesh, **options):
+    return search(mesh, pinned=True, flip_surface=False, split_surface=False, **options)
+
+
+def test_no_kick_is_spent_on_tets_whose_facets_rule_the_goal_out():
+    mesh = cylinder(12, 4)  # all its facets are right or obtuse
+    facets = len(arguments(mesh)["facets"])
+    all_out = fixed(mesh, passes=12, kicks=2000, ruled_out=np.arange(facets))
+    none_out = fixed(mesh, passes=12, kicks=2000, ruled_out=np.arange(0))
+    plain = fixed(mesh, passes=12, kicks=2000)
+    assert 3 * all_out["kicks"] < none_out["kicks"]
+    assert all_out["bad"] == bad(all_out["points"], all_out["tets"]) > 0  # they are counted all the same
+    assert np.array_equal(none_out["points"], plain["points"])
+
+
+def test_kicks_stop_where_they_cost_more_than_they_are_worth():
+    mesh = ball(3)
+    nothing, all_of_it = (fixed(mesh, kicks=2000, worth=worth) for worth in (0.0, np.inf))
+    assert nothing["kicks"] <= 1
+    assert all_of_it["kicks"] > 10
+    assert all_of_it["bad"] < nothing["bad"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"ruled_out": np.array([0])}, "ruled_out is for facets that stay"),
+        ({"ruled_out": np.array([10**6]), "flip_surface": False, "split_surface": False}, "ruled_out holds 1000000"),
+        ({"worth": -1.0}, "worth is -1.0"),
+    ],
+)
+def test_what_cannot_be_ruled_out_or_worth_is_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        search(jittered_cube(2), **options)

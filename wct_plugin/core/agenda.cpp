@@ -38,7 +38,7 @@ void Agenda::update(const std::vector<int> &changed, int failures) {
     entries_.resize(complex_.tet_slots());
     for (int t : changed) {
         Entry &entry = entries_[t];
-        const bool bad = complex_.alive(t) && energy_.bad(complex_.energy(t));
+        const bool bad = complex_.alive(t) && energy_.bad(complex_.energy(t)) && !complex_.ruled_out(t);
         if (bad == entry.bad)
             continue;
         entry.bad = bad;

@@ -10,8 +10,9 @@
 
 namespace wct {
 
-/// The bad tets and how often each was tried in vain. The one tried least comes next, so that hopeless places never
-/// keep the others waiting; equals come in random order. Kept up to date from what changed, never by a scan.
+/// The bad tets, but for those on facets that rule the goal out, and how often each was tried in vain. The one tried
+/// least comes next, so that hopeless places never keep the others waiting; equals come in random order. Kept up to
+/// date from what changed, never by a scan.
 class Agenda {
   public:
     Agenda(const TetComplex &complex, const SearchEnergy &energy, Random &random)

@@ -3,7 +3,11 @@
 #include "predicates.h"
 #include "search.h"
 
+#include <nanobind/stl/optional.h>
+
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -142,7 +146,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &surface_triangles, const Array &surface_patch, const Array &surface_segments,
                               const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
-                              const nb::object &progress) {
+                              const nb::object &progress, const std::optional<Array> &ruled_out, double worth) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -170,6 +174,12 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                    std::to_string(count) + (role[v] == Stratum::patch ? " patches" : " curves"));
     }
     expect_conforming(at, cells, sheet, edges);
+    std::vector<int> hopeless;
+    if (ruled_out)
+        hopeless = numbers_of(*ruled_out, rows<std::int64_t>(*ruled_out, 0, "ruled_out").size(),
+                              static_cast<std::int64_t>(sheet.size()), "ruled_out");
+    if (!hopeless.empty() && (flip_surface || split_surface))
+        refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
     if (!(tolerance > 0.0))
         refuse("tolerance is " + std::to_string(tolerance) + "; it must be positive");
     if (!(margin >= 0.0 && margin < 1.0 / 3.0))
@@ -177,6 +187,9 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     if (passes < 0 || kicks < 0)
         refuse("passes is " + std::to_string(passes) + " and kicks is " + std::to_string(kicks) +
                "; neither may be negative");
+
+    if (!(worth >= 0.0))
+        refuse("worth is " + std::to_string(worth) + "; it may not be negative");
 
     TetComplex complex;
     const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.125 * mean_size(wanted, role));
@@ -191,6 +204,9 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     for (std::size_t k = 0; k < edges.size(); ++k)
         complex.add_crease(sorted(edges[k][0], edges[k][1]), edge_curve[k]);
 
+    for (const int k : hopeless)
+        complex.rule_out(sorted(sheet[k][0], sheet[k][1], sheet[k][2]));
+
     SearchOptions options;
     options.acute = acute;
     options.margin = margin;
@@ -199,6 +215,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.passes = passes;
     options.kicks = kicks;
     options.seed = seed;
+    options.worth = worth;
     SearchOutcome outcome;
     {
         nb::gil_scoped_release release;
@@ -217,7 +234,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("creases"), nb::arg("crease_curve"), nb::arg("surface_points"), nb::arg("surface_triangles"),
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
           nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
-          nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none());
+          nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
+          nb::arg("ruled_out") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity());
 }
 
 } // namespace wct

@@ -103,7 +103,7 @@ void Kicks::near_changed(const Vec3 &center, double radius) {
     complex_.changed(changed_);
     nearest_.clear();
     for (int t : changed_) {
-        if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
+        if (!complex_.alive(t) || complex_.energy(t) <= 0.0 || complex_.ruled_out(t))
             continue;
         const double distance = norm(complex_.point(complex_.tet(t)[0]) - center);
         if (distance <= radius)

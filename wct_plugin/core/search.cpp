@@ -69,7 +69,8 @@ int Search::count_bad() const {
 void Search::sweep(int recipe) {
     std::vector<int> tets;
     for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
-        if (complex_.alive(static_cast<int>(t)) && energy_.bad(complex_.energy(static_cast<int>(t))))
+        if (complex_.alive(static_cast<int>(t)) && energy_.bad(complex_.energy(static_cast<int>(t))) &&
+            (recipe == 0 || !complex_.ruled_out(static_cast<int>(t))))
             tets.push_back(static_cast<int>(t));
     repair_.pass_changed(recipe, tets);
 }
@@ -106,28 +107,45 @@ void Search::polish() {
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
+    const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
     int least = kicks_.bad();
     long vain = 0; // kicks since there were fewer bad tets than ever before
+    Price price;
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = patience(least);
-        if (vain >= limit)
+        if (vain >= limit || !worthwhile(price, least))
             return false;
         if (done % rest == 0)
             complex_.resum();
-        outcome_.bad = kicks_.bad();
+        outcome_.bad = beside + kicks_.bad();
         if (done % 8 == 0 && !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
             outcome_.stopped = true;
             return false;
         }
         ++outcome_.kicks;
+        const long before = energy_.evaluations();
         outcome_.accepted += kicks_.once();
         ++vain;
+        price.add(static_cast<double>(energy_.evaluations() - before), std::max(0, least - kicks_.bad()));
         if (kicks_.bad() < least) {
             least = kicks_.bad();
             vain = 0;
         }
     }
     return true;
+}
+
+void Search::Price::add(double evaluations, int fewer) {
+    constexpr double keep = 1.0 - 1.0 / 48.0;
+    spent += evaluations;
+    work = keep * work + evaluations;
+    gone = keep * gone + fewer;
+}
+
+bool Search::worthwhile(const Price &price, int bad) const {
+    constexpr double small = 3000.0; // tets: a mesh of less is worth as much
+    return price.spent < options_.worth * small ||
+           price.work * bad <= options_.worth * static_cast<double>(complex_.tets()) * price.gone;
 }
 
 long Search::patience(int bad) const {
@@ -160,7 +178,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
-    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks");
+    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks") && report("kicks", 1.0);
     if (good) {
         polish();
         adopt(margin_form(options_.acute, options_.margin));

@@ -3,6 +3,7 @@
 #include "kicks.h"
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace wct {
@@ -14,6 +15,8 @@ struct SearchOptions {
     bool split_surface = true;
     int passes = 12;   // greatest number of sweeps over all tets that fall short
     long kicks = 4000; // tries of the iterated local search in vain after which it stops; fewer where much is bad
+    /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
+    double worth = std::numeric_limits<double>::infinity();
     std::uint64_t seed = 0;
 };
 
@@ -45,6 +48,14 @@ class Search {
     void sweep(int recipe);
     /// How many kicks in vain to bear with this many bad tets left.
     long patience(int bad) const;
+    /// What kicks have cost and brought lately; old ones count less and less.
+    struct Price {
+        double spent = 0.0; // evaluations, all of them
+        double work = 0.0;  // of late
+        double gone = 0.0;  // bad tets, of late
+        void add(double evaluations, int fewer);
+    };
+    bool worthwhile(const Price &price, int bad) const;
     bool kick_until_good(const SearchProgress &progress, const char *phase);
     void polish();
     double clearance() const;

@@ -267,6 +267,8 @@ class LatticeLevel {
     double ratio_;
 };
 
+} // namespace
+
 void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map, const Sizing &sizing,
                  const SeedForm &form, Random &random) {
     Box box;
@@ -302,8 +304,6 @@ void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map,
             grid.add(p, form.level_gap * cell);
     }
 }
-
-} // namespace
 
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
                  Random &random) {

@@ -23,4 +23,8 @@ struct SeedForm {
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
                  Random &random);
 
+/// The lattice alone, of the scale that the sizes of the cloud's points ask for; new points keep off the surface.
+void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map, const Sizing &sizing,
+                 const SeedForm &form, Random &random);
+
 } // namespace wct

@@ -56,6 +56,16 @@ int TetComplex::patch_of(int a, int b, int c) const {
     return found == surface_.end() ? -1 : found->second.patch;
 }
 
+bool TetComplex::ruled_out(int t) const {
+    const Tet &tet = tets_[t];
+    for (const auto &facet : kFacets) {
+        const int a = tet[facet[0]], b = tet[facet[1]], c = tet[facet[2]];
+        if (patch_of(a, b, c) >= 0 && surface_.at(sorted(a, b, c)).ruled_out)
+            return true;
+    }
+    return false;
+}
+
 void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const {
     facets.clear();
     patches.clear();
@@ -148,7 +158,7 @@ void TetComplex::hand_landmark(int landmark, const Facet &owner) {
 }
 
 void TetComplex::put_facet(const Facet &key, int patch, double over) {
-    surface_[key] = {patch, -1, over, {}};
+    surface_[key] = {patch, -1, over, {}, false};
     count_over(key, over > 0.0);
 }
 

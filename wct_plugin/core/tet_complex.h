@@ -64,6 +64,7 @@ class TetComplex {
         int landmark = -1; // first of the surface's landmarks that it covers
         double over = 0.0; // how far it and its landmarks are apart beyond the tolerance, in tolerances
         SurfaceHints hints{};
+        bool ruled_out = false;
     };
     /// Patch of a surface facet, -1 for an interior one.
     int patch_of(int a, int b, int c) const;
@@ -77,6 +78,9 @@ class TetComplex {
     int over_count() const { return over_count_; }
     const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
     void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
+    /// Note that no tet on a surface facet, which must stay for ever, can meet the goal; whether t has such a facet.
+    void rule_out(const Facet &key) { surface_.at(key).ruled_out = true; }
+    bool ruled_out(int t) const;
     /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
     int first_landmark(const Facet &key) const { return surface_.at(key).landmark; }
     int next_landmark(int landmark) const { return landmarks_[landmark].next; }

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "cells.h"
+#include "energy.h"
+#include "monitor.h"
+#include "pinned_facets.h"
+#include "reference.h"
+#include "region_map.h"
+#include "seeds.h"
+#include "sizing.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace wct {
+
+struct InteriorForm {
+    double size = 0.8; // of the new tets, relative to the input's own or the wanted size
+    double most = 2.0; // tets per tet of the input; larger ones are made where that would be passed
+    SeedForm seeds{.edge_per_cell = 1.2};
+    int sweeps = 25; // of relaxation
+    double step = 0.7;
+    int rounds = 6;      // of descent
+    int iterations = 15; // of L-BFGS per round
+    double reach = 0.1;  // longest step of a point, in sizes
+    bool cosines = true;
+    std::uint64_t seed = 1;
+    EnergyForm energy{0.12, 2.5, 0.08, 2.5, 1.0, 0.003};
+};
+
+/// A mesh between pinned facets.
+struct Interior {
+    std::vector<Vec3> points;
+    std::vector<int> origin; // per point: the input's, -1 for new ones
+    std::vector<double> size;
+    std::vector<Tet> tets;
+    std::vector<int> region;
+    bool stopped = false;
+};
+
+/// Fill a mesh anew between the surface facets, which stay as they are: see PinnedFacets. Inside, a relaxed lattice
+/// takes the place of the input's vertices. `reference` is the mesh's own surface, with the mesh's own points. Empty
+/// where nothing could be filled anew.
+Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
+                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form,
+                Monitor &monitor);
+
+} // namespace wct

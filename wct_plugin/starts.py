@@ -1,0 +1,79 @@
+"""What the local search starts from where the boundary stays: the mesh itself, or its inside filled anew."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin import _core
+from wct_plugin.mesh import TetMesh
+from wct_plugin.reference import Reference
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+#: The arguments of :func:`wct_plugin._core.search_well_centered` that make up a mesh.
+Start = dict[str, Any]
+
+
+def from_mesh(mesh: TetMesh, own: Reference, *, pinned: bool) -> Start:
+    """The mesh itself; ``pinned``: its surface vertices stay where they are."""
+    edges = mesh.topology.edges
+    length = np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1)
+    ends = edges.ravel()
+    stratum = own.strata.stratum
+    return {
+        "points": mesh.points,
+        "tets": mesh.tets,
+        "regions": np.searchsorted(own.regions, mesh.regions),
+        "stratum": np.where(stratum > 0, 3, 0).astype(np.int8) if pinned else stratum,
+        "label": own.strata.label,
+        "size": np.bincount(ends, np.repeat(length, 2)) / np.bincount(ends),
+        "facets": own.strata.triangles,
+        "facet_patch": own.strata.patch,
+        "creases": own.strata.segments,
+        "crease_curve": own.strata.curve,
+    }
+
+
+def refill(
+    start: Start, sides: Ints, size: Floats | None, *, acute: bool, seed: int, progress: Callable[[float, int], Any]
+) -> Start | None:
+    """The inside of a pinned start filled anew between its surface facets, or None where these leave no choice.
+
+    ``sides`` as of :class:`Reference`, the others as of :func:`wct_plugin._core.refill`.
+    """
+    pinned = np.flatnonzero(start["stratum"] > 0)
+    found = _core.refill(
+        start["points"],
+        start["tets"],
+        start["regions"],
+        pinned,
+        start["facets"],
+        start["facet_patch"],
+        sides,
+        start["creases"],
+        size=size,
+        cosines=acute,
+        seed=seed,
+        progress=progress,
+    )
+    if not len(found["tets"]):
+        return None
+    origin = found["origin"]
+    old = origin >= 0
+    place = np.full(len(start["points"]), -1)
+    place[origin[old]] = np.flatnonzero(old)
+    stratum = np.zeros(len(origin), dtype=np.int8)
+    stratum[place[pinned]] = 3
+    return {
+        **start,
+        "points": found["points"],
+        "tets": found["tets"],
+        "regions": found["regions"],
+        "size": found["size"],
+        "stratum": stratum,
+        "label": np.where(stratum > 0, start["label"][origin], -1),
+        "facets": place[start["facets"]],
+        "creases": place[start["creases"]],
+    }
