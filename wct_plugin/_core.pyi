@@ -150,6 +150,7 @@ class ResampledArrays(SurfaceArrays):
     """(n,) edge length wanted at the point"""
     exposed: NDArray[np.int64]
     pinched: NDArray[np.int64]
+    intact: bool
     """Points where the result is no manifold; both empty if all went well."""
     stats: dict[str, Any]
 

@@ -180,6 +180,27 @@ bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, c
     return !flaws.exposed.empty();
 }
 
+/// Points of tets that fitting the surface has turned over go back to where they were.
+void keep_upright(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &before) {
+    constexpr double flat = 1e-4; // six times the volume per cube of the size
+    for (bool again = true; again;) {
+        again = false;
+        for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+            const auto &tet = complex.all.tets[t];
+            const auto volume = [&](const std::vector<Vec3> &at) {
+                return dot(cross(at[tet[1]] - at[tet[0]], at[tet[2]] - at[tet[0]]), at[tet[3]] - at[tet[0]]);
+            };
+            const double size = cloud.size[tet[0]];
+            if (complex.region[t] < 0 || volume(cloud.points) > std::min(flat * size * size * size, volume(before)))
+                continue;
+            for (const int v : tet) {
+                again = again || !(cloud.points[v] == before[v]);
+                cloud.points[v] = before[v];
+            }
+        }
+    }
+}
+
 /// The complex of the settled points, changed until the domain's creases and surfaces are in it. `touched` receives the
 /// points where sheets touched on the way.
 Flaws represent(Cloud &cloud, const Reference &reference, const RegionMap &map, double shell,
@@ -267,7 +288,9 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
             const Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched);
             const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
+            const std::vector<Vec3> unfitted = cloud.points;
             fit_heights(cloud, reference, ties, direction, fit);
+            keep_upright(cloud, complex, unfitted);
             const Tally tally = count_bad(cloud, complex, form.cosines);
             const bool sound = represents(cloud, complex, flaws);
             const std::size_t off = count_off(cloud, ties, form.held * form.sizing.tolerance);
@@ -301,6 +324,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     result.stats.emplace_back("off", static_cast<double>(least_off));
     result.deviation = measure_deviation(result.cloud, result.complex, reference);
     lap("deviation");
+    result.intact = intact;
     result.stopped = monitor.stopped();
     return result;
 }

@@ -52,6 +52,7 @@ struct GlobalResult {
     Flaws flaws;
     Tally tally;
     Deviation deviation;
+    bool intact = false; // no flaws but at corners, and the domain's Euler characteristics
     bool stopped = false;
     std::vector<std::pair<std::string, double>> stats;
 };
