@@ -150,8 +150,9 @@ class ResampledArrays(SurfaceArrays):
     """(n,) edge length wanted at the point"""
     exposed: NDArray[np.int64]
     pinched: NDArray[np.int64]
-    intact: bool
     """Points where the result is no manifold; both empty if all went well."""
+    intact: bool
+    """No such points but corners, and the Euler characteristic of every region as in the mesh."""
     stats: dict[str, Any]
 
 class SearchedArrays(SurfaceArrays):

@@ -133,7 +133,6 @@ GlobalForm form_of(nb::dict options) {
     take(options, "rounds", form.rounds);
     take(options, "iterations", form.iterations);
     take(options, "reach", form.reach);
-    take(options, "attempts", form.attempts);
     take(options, "trials", form.trials);
     take(options, "trial_sweeps", form.trial_sweeps);
     take(options, "target", form.target);
