@@ -232,7 +232,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         )
         stratum = found["stratum"]
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
-        if len(found["exposed"]) or (stratum[touching] < 3).any():
+        if not found["intact"] or (stratum[touching] < 3).any():
             return None
         if len(touching):
             own_pinches = pinched(reference.strata.triangles, len(reference.points))

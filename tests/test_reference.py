@@ -71,3 +71,13 @@ def test_the_gap_is_what_lies_between_mesh_and_surface():
     shifted = SurfaceMesh(boundary.points + np.array([1e-3, 0.0, 0.0]), boundary.triangles)
     assert gap(own, shifted, 5e-3) == pytest.approx(1e-3, rel=1e-6)
     assert gap(own, shifted, 1.5e-3) == pytest.approx(0.75e-3, rel=1e-6)
+
+
+def test_facets_that_lead_to_the_fill_of_a_hole_are_no_gap():
+    """A sphere without its cap, and a ball whose boundary closes the hole a little inside."""
+    mesh, whole = ball(4), sphere_surface(2000)
+    own = own_boundary(mesh, 60.0)
+    sag = gap(own, whole, 0.1)
+    cap = whole.points[whole.triangles].mean(axis=1)[:, 2] > 0.8
+    opened = SurfaceMesh(whole.points, whole.triangles[~cap])
+    assert gap(own, opened, 0.1) <= 1.01 * sag < 0.05

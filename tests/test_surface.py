@@ -13,10 +13,11 @@ from builders import (
     sphere_surface,
     two_region_cube,
 )
+from scipy.spatial import ConvexHull
 
 from wct_plugin.deviation import deviation, distances
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.surface import PLACES, enclosed_volume, place, strata
+from wct_plugin.surface import PLACES, enclosed_volume, place, strata, surface_strata
 
 
 def summary(found):
@@ -222,6 +223,23 @@ def test_short_dangling_creases_are_pruned_long_ones_stay():
         edges = np.column_stack([ridge[:-1], ridge[1:]])
         kept = strata(TetMesh(points, mesh.tets, edges=Cells(edges)), crease_angle=60.0)
         assert (kept.stratum[ridge] >= 2).all()
+
+
+@pytest.mark.parametrize(("sides", "stays"), [(3, False), (5, False), (9, True)])
+def test_a_rim_round_a_few_triangles_is_noise_round_more_it_is_a_crease(sides, stays):
+    """A cone cut off at the top, where a polygon of sides - 2 triangles bends by 45 degrees all round."""
+    rings = [(0.1, sides, 1.0), (1.1, 36, 0.0)]
+    turns = [2.0 * np.pi * np.arange(n) / n for _, n, _ in rings]
+    points = np.concatenate(
+        [
+            np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(n, z)])
+            for (r, n, z), turn in zip(rings, turns, strict=True)
+        ]
+    )
+    found = surface_strata(SurfaceMesh(points, ConvexHull(points).simplices), crease_angle=30.0)
+    assert found.patch.max() + 1 == 2 + stays
+    assert (found.stratum[:sides] == 1 + stays).all()
+    assert (found.stratum[sides:] == 2).all()
 
 
 def test_pinched_vertices_are_corners():

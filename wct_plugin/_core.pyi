@@ -151,6 +151,8 @@ class ResampledArrays(SurfaceArrays):
     exposed: NDArray[np.int64]
     pinched: NDArray[np.int64]
     """Points where the result is no manifold; both empty if all went well."""
+    intact: bool
+    """No such points but corners, and the Euler characteristic of every region as in the mesh."""
     stats: dict[str, Any]
 
 class SearchedArrays(SurfaceArrays):

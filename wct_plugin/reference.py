@@ -101,11 +101,18 @@ def bounds(surface: Reference, own: Reference) -> bool:
 
 
 def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:
-    """How far the mesh's own boundary is from the surface where it follows it at all, at most half the tolerance."""
+    """How far the mesh's own boundary is from the surface where it follows it at all, at most half the tolerance.
+
+    Facets beyond the tolerance close a hole of the surface, and those beside them lead there: both follow nothing.
+    """
     triangles = own.strata.triangles
-    samples = np.concatenate([own.points[np.unique(triangles)], own.points[triangles].mean(axis=1)])
-    far = _core.closest_points(surface.points, surface.triangles, samples)[2]
-    return float(min(far[far <= tolerance].max(initial=0.0), tolerance / 2))
+    corners = _core.closest_points(surface.points, surface.triangles, own.points)[2][triangles]
+    middle = _core.closest_points(surface.points, surface.triangles, own.points[triangles].mean(axis=1))[2]
+    far = np.maximum(corners.max(axis=1), middle)
+    off = np.zeros(len(own.points), dtype=bool)
+    off[triangles[far > tolerance]] = True
+    follows = ~off[triangles].any(axis=1)
+    return float(min(far[follows].max(initial=0.0), tolerance / 2))
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:

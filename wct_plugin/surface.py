@@ -20,6 +20,8 @@ PLACES = ("interior", "boundary", "crease", "corner")
 CORNER_TURN = 45.0
 #: A sharp crease with a free end is noise of the tessellation if it is shorter than this many local edge lengths.
 DANGLING = 4.0
+#: Sharp creases round up to so many triangles inside one patch are noise too: no shape has so few on its side.
+SPECK = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +44,10 @@ def strata(mesh: TetMesh, crease_angle: float = 40.0) -> Strata:
 
     A crease is an edge where the surface bends by more than ``crease_angle`` degrees, where other than two surface
     triangles meet, where facet tags, facet sets or the regions on either side change, or that is tagged itself
-    (``mesh.edges``, inside the mesh too). Short dangling creases that only their angle makes are dropped: they are
-    noise of the tessellation. A corner is a crease vertex where other than two creases meet or the crease turns by
-    more than 45 degrees, where the tags of tagged edges change, a tagged vertex (``mesh.nodes``), or a vertex where
-    sheets of the surface touch that share no edge.
+    (``mesh.edges``, inside the mesh too). Short dangling creases, and rims of one to four triangles inside a patch,
+    that only their angle makes are dropped: they are noise of the tessellation. A corner is a crease vertex where
+    other than two creases meet or the crease turns by more than 45 degrees, where the tags of tagged edges change, a
+    tagged vertex (``mesh.nodes``), or a vertex where sheets of the surface touch that share no edge.
     """
     return _strata(mesh.points, *labelled_surface(mesh), *_user_edges(mesh), mesh.nodes.vertices.ravel(), crease_angle)
 
@@ -83,10 +85,14 @@ def _strata(
     pinned = _pinched(triangles, owners, starts, sizes, edges, count)
     pinned[nodes] = True
     crease = hard | sharp
-    segments = edges[crease]
-    keep = _without_dangling(points, segments, hard[crease], pinned, _local_size(points, edges))
-    crease[crease] = keep
-    segments = np.concatenate([segments[keep], user[loose]])
+    size = _local_size(points, edges)
+    while True:  # a speck may be the end of a crease, and hide another speck
+        crease[crease] = _without_dangling(points, edges[crease], hard[crease], pinned, size)
+        specks = _speck_rims(first, second, paired, crease, hard, len(triangles))
+        if not specks.any():
+            break
+        crease &= ~specks
+    segments = np.concatenate([edges[crease], user[loose]])
     segment_keys = segments @ [count, 1]
     order = np.argsort(segment_keys)
     segments, segment_keys = segments[order], segment_keys[order]
@@ -273,6 +279,23 @@ def _without_dangling(points: Floats, segments: Ints, hard: Bools, pinned: Bools
         if not cut.any():
             return keep
         keep[rows[cut]] = False
+
+
+def _speck_rims(first: Ints, second: Ints, paired: Bools, crease: Bools, hard: Bools, count: int) -> Bools:
+    """(e,) the edges between a patch of at most ``SPECK`` triangles and the one larger patch all round it."""
+    smooth = paired & ~crease
+    patch = _components(first[smooth], second[smooth], count)
+    sizes = np.bincount(patch)
+    one, other = patch[first], patch[second]
+    rim = crease & (~paired | (one != other))
+    ends = np.concatenate([one[rim], other[rim]])
+    beside = np.concatenate([other[rim], one[rim]])
+    around = np.unique(np.column_stack([ends, beside]), axis=0)
+    speck = (sizes <= SPECK) & (np.bincount(around[:, 0], minlength=len(sizes)) == 1)
+    speck[ends[np.tile((hard | ~paired)[rim], 2)]] = False
+    speck[around[sizes[around[:, 1]] <= SPECK, 0]] = False
+    gone: Bools = rim & (speck[one] | speck[other])
+    return gone
 
 
 def _corners(points: Floats, segments: Ints, tag: Ints) -> Bools:

@@ -1,9 +1,14 @@
 """The global stage: closest points, curvatures, and what a resampled domain must keep."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from wct_plugin import _core
+from wct_plugin.mesh import TetMesh
+from wct_plugin.reference import own_boundary
+from wct_plugin.surface import pinched
 
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
@@ -284,3 +289,73 @@ def test_bad_arguments_are_refused():
     surface["triangles"] = surface["triangles"] + 100
     with pytest.raises(ValueError, match="triangles names point 1"):
         _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0)
+
+
+def squeezed_box(width, keep):
+    """A unit cube of 6^3 cells without those ``keep`` drops, its third layer along x ``width`` thick."""
+    points, tets = box(6)
+    tets = tets[keep(points[tets].mean(axis=1))]
+    used, tets = np.unique(tets, return_inverse=True)
+    points = points[used]
+    points[:, 0] = np.interp(points[:, 0], [0, 1 / 3, 1 / 2, 1], [0, (1 - width) / 2, (1 + width) / 2, 1])
+    return TetMesh(points, tets.reshape(-1, 4))
+
+
+def in_layer(centroids):
+    return (centroids[:, 0] > 1 / 3) & (centroids[:, 0] < 1 / 2)
+
+
+def euler(tets):
+    cells = (np.concatenate([tets[:, list(c)] for c in combinations(range(4), k)]) for k in (1, 2, 3, 4))
+    return sum((-1) ** k * len(np.unique(np.sort(part, axis=1), axis=0)) for k, part in enumerate(cells))
+
+
+@pytest.mark.parametrize("width", [0.1, 0.05])
+@pytest.mark.parametrize(
+    "keep",
+    [
+        lambda c: ~(in_layer(c) & (c[:, 2] > 1 / 3)),  # a slot
+        lambda c: in_layer(c) | (c[:, 2] < 2 / 3),  # a web
+        lambda c: ~(in_layer(c) & ((c[:, 2] > 1 / 2) | (c[:, 1] > 1 / 2))),  # two halves joined by a bridge
+    ],
+    ids=["slot", "web", "bridge"],
+)
+def test_close_sheets_stay_apart(keep, width):
+    mesh = squeezed_box(width, keep)
+    assert volumes(*resampled(mesh, {})).sum() == pytest.approx(volumes(mesh.points, mesh.tets).sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_sheets_that_touch_are_parted(seed):
+    """Facets six times as long as the slot is wide reach over it, and the surface touches itself in many places."""
+    resampled(squeezed_box(0.02, lambda c: ~(in_layer(c) & (c[:, 2] > 1 / 3))), {"gap": 100.0}, seed)
+
+
+def resampled(mesh, options, seed=1):
+    """Points and tets of the global stage, a ball like the mesh and with a manifold surface."""
+    own = own_boundary(mesh, 40.0)
+    result = _core.resample(
+        own.points,
+        own.strata.triangles,
+        own.strata.patch,
+        own.strata.segments,
+        own.strata.curve,
+        own.corners,
+        own.sides,
+        mesh.points,
+        mesh.tets,
+        np.zeros(len(mesh.tets), dtype=np.int64),
+        1e-3 * own.diagonal,
+        seed=seed,
+        options=options,
+    )
+    assert result["intact"]
+    facets = np.sort(result["tets"][:, FACETS].reshape(-1, 3), axis=1)
+    facets, count = np.unique(facets, axis=0, return_counts=True)
+    skin = facets[count == 1]
+    edges = np.sort(skin[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    assert not pinched(skin, len(result["points"])).any()
+    assert euler(result["tets"]) == euler(mesh.tets) == 1
+    assert volumes(result["points"], result["tets"]).min() > 0
+    return result["points"], result["tets"]

@@ -86,6 +86,7 @@ nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
     };
     out["exposed"] = flawed(result.flaws.exposed);
     out["pinched"] = flawed(result.flaws.pinched);
+    out["intact"] = result.intact;
     nb::dict stats;
     stats["bad"] = result.tally.bad;
     stats["deviation_out"] = result.deviation.most_out;
@@ -109,6 +110,7 @@ GlobalForm form_of(nb::dict options) {
     GlobalForm form;
     take(options, "sag", form.sizing.sag);
     take(options, "thickness", form.sizing.thickness);
+    take(options, "gap", form.sizing.gap);
     take(options, "surface_grade", form.sizing.surface_grade);
     take(options, "inner_grade", form.sizing.inner_grade);
     take(options, "smallest", form.sizing.smallest);
@@ -264,7 +266,8 @@ void bind_global(nb::module_ &m) {
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, 1 patch, 2 crease, 3 corner),\n"
         "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
         "where\n"
-        "the result is no manifold (both empty if all went well); stats. The same input and seed give the same bits.");
+        "the result is no manifold (both empty if all went well); intact: none such but at corners, and the Euler\n"
+        "characteristic of every region as in the mesh; stats. The same input and seed give the same bits.");
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
           "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
     m.def(

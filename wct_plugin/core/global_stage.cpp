@@ -1,5 +1,7 @@
 #include "global_stage.h"
 
+#include "euler.h"
+#include "pinches.h"
 #include "relax.h"
 
 #include <algorithm>
@@ -139,6 +141,19 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
     return lost;
 }
 
+/// Shrink sizes at points where sheets touched each other.
+void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference &reference, Sizing &sizing) {
+    constexpr double share = 0.6;
+    for (const int i : touched) {
+        const Foot foot = reference.nearest(cloud.points[i]);
+        for (const int v : reference.data().triangles[foot.triangle]) {
+            const double far = norm(reference.data().points[v] - foot.point);
+            sizing.surface[v] = std::min(sizing.surface[v], share * cloud.size[i] + sizing.form().surface_grade * far);
+        }
+    }
+    sizing.grade();
+}
+
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
 /// would press the surface points round them into flat tets.
 bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, const Flaws &flaws) {
@@ -163,6 +178,50 @@ bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, c
     }
     cloud.keep(keep);
     return !flaws.exposed.empty();
+}
+
+/// Points of tets that fitting the surface has turned over go back to where they were.
+void keep_upright(Cloud &cloud, const Complex &complex, const std::vector<Vec3> &before) {
+    constexpr double flat = 1e-4; // six times the volume per cube of the size
+    for (bool again = true; again;) {
+        again = false;
+        for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+            const auto &tet = complex.all.tets[t];
+            const auto volume = [&](const std::vector<Vec3> &at) {
+                return dot(cross(at[tet[1]] - at[tet[0]], at[tet[2]] - at[tet[0]]), at[tet[3]] - at[tet[0]]);
+            };
+            const double size = cloud.size[tet[0]];
+            if (complex.region[t] < 0 || volume(cloud.points) > std::min(flat * size * size * size, volume(before)))
+                continue;
+            for (const int v : tet) {
+                again = again || !(cloud.points[v] == before[v]);
+                cloud.points[v] = before[v];
+            }
+        }
+    }
+}
+
+/// The complex of the settled points, changed until the domain's creases and surfaces are in it. `touched` receives the
+/// points where sheets touched on the way.
+Flaws represent(Cloud &cloud, const Reference &reference, const RegionMap &map, double shell,
+                std::vector<Vec3> &direction, Complex &complex, std::vector<int> &touched) {
+    settle(cloud, reference, shell, direction);
+    complex = restricted_delaunay(cloud, reference, map);
+    Flaws flaws = find_flaws(cloud, complex);
+    for (int pass = 0; pass < 4; ++pass) {
+        const bool promoted = promote(cloud, reference, complex, flaws);
+        if (promoted) { // points may have gone, and with them the complex's numbers
+            settle(cloud, reference, shell, direction);
+            complex = restricted_delaunay(cloud, reference, map);
+        }
+        if (recover_creases(cloud, reference, complex) == 0 && !promoted)
+            break;
+        settle(cloud, reference, shell, direction);
+        complex = restricted_delaunay(cloud, reference, map);
+        flaws = find_flaws(cloud, complex);
+    }
+    touched = flaws.pinched;
+    return mend_pinches(cloud, reference, complex, std::move(flaws));
 }
 
 } // namespace
@@ -210,64 +269,62 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         learn(measure_deviation(cloud, complex, reference), sizing, correction, ceiling, form);
     }
     lap("trials");
-    Cloud cloud = start(form.sweeps);
-    Complex complex;
-    lap("relax");
+    const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
+    const auto represents = [&](const Cloud &cloud, const Complex &complex, const Flaws &flaws) {
+        return lost_points(cloud, flaws).empty() && euler_characteristics(complex.all.tets, complex.region) == euler;
+    };
     std::vector<Vec3> direction;
     const double shell = form.shell * form.sizing.tolerance;
     const FitForm fit{form.fit_target * form.sizing.tolerance, form.fit_weight, form.fit_pull, shell};
     bool first = true;
-    int since = 0;
     std::size_t least_off = 0;
     bool intact = false;
-    for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
-        settle(cloud, reference, shell, direction);
-        complex = restricted_delaunay(cloud, reference, map);
-        Flaws flaws = find_flaws(cloud, complex);
-        for (int pass = 0; pass < 4; ++pass) {
-            const bool promoted = promote(cloud, reference, complex, flaws);
-            if (promoted) { // points may have gone, and with them the complex's numbers
-                settle(cloud, reference, shell, direction);
-                complex = restricted_delaunay(cloud, reference, map);
-            }
-            if (recover_creases(cloud, reference, complex) == 0 && !promoted)
+    for (int attempt = 0; attempt <= form.attempts && !intact && !monitor.stopped(); ++attempt) {
+        Cloud cloud = start(form.sweeps);
+        lap("relax");
+        Complex complex;
+        std::vector<int> touched;
+        int since = 0;
+        for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
+            const Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched);
+            const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
+            const std::vector<Vec3> unfitted = cloud.points;
+            fit_heights(cloud, reference, ties, direction, fit);
+            keep_upright(cloud, complex, unfitted);
+            const Tally tally = count_bad(cloud, complex, form.cosines);
+            const bool sound = represents(cloud, complex, flaws);
+            const std::size_t off = count_off(cloud, ties, form.held * form.sizing.tolerance);
+            if (first || std::pair(!sound, tally.bad + off) < std::pair(!intact, result.tally.bad + least_off)) {
+                least_off = off;
+                intact = sound;
+                result.cloud = cloud;
+                result.complex = complex;
+                result.flaws = flaws;
+                result.tally = tally;
+                first = false;
+                since = 0;
+            } else if (++since > 5) {
                 break;
-            settle(cloud, reference, shell, direction);
-            complex = restricted_delaunay(cloud, reference, map);
-            flaws = find_flaws(cloud, complex);
+            }
+            if (round == form.rounds || tally.bad == 0)
+                break;
+            monitor.set_bad(static_cast<std::int64_t>(result.tally.bad));
+            EnergyForm energy = form.energy;
+            if (!form.cosines)
+                energy.weight2 = 0.0;
+            const std::size_t evaluations =
+                descend(cloud, complex, direction, energy, form.edge, curved_points(cloud, reference), fit, ties,
+                        form.iterations, form.reach);
+            monitor.work(evaluations, static_cast<double>(round) / form.rounds);
         }
-        const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
-        fit_heights(cloud, reference, ties, direction, fit);
-        const Tally tally = count_bad(cloud, complex, form.cosines);
-        const bool sound = lost_points(cloud, flaws).empty();
-        const std::size_t off = count_off(cloud, ties, form.held * form.sizing.tolerance);
-        if (first || std::pair(!sound, tally.bad + off) < std::pair(!intact, result.tally.bad + least_off)) {
-            least_off = off;
-            intact = sound;
-            result.cloud = cloud;
-            result.complex = complex;
-            result.flaws = flaws;
-            result.tally = tally;
-            first = false;
-            since = 0;
-        } else if (++since > 5) {
-            break;
-        }
-        if (round == form.rounds || tally.bad == 0)
-            break;
-        monitor.set_bad(static_cast<std::int64_t>(result.tally.bad));
-        EnergyForm energy = form.energy;
-        if (!form.cosines)
-            energy.weight2 = 0.0;
-        const std::size_t evaluations =
-            descend(cloud, complex, direction, energy, form.edge, curved_points(cloud, reference), fit, ties,
-                    form.iterations, form.reach);
-        monitor.work(evaluations, static_cast<double>(round) / form.rounds);
+        lap("descent");
+        if (!intact)
+            refine(cloud, touched, reference, sizing);
     }
-    lap("descent");
     result.stats.emplace_back("off", static_cast<double>(least_off));
     result.deviation = measure_deviation(result.cloud, result.complex, reference);
     lap("deviation");
+    result.intact = intact;
     result.stopped = monitor.stopped();
     return result;
 }

@@ -32,6 +32,7 @@ struct GlobalForm {
     int rounds = 20;     // of descent
     int iterations = 15; // of L-BFGS per round
     double reach = 0.1;  // longest step of a point, in sizes
+    int attempts = 1;    // more where the domain was not met, with smaller sizes where its sheets touched each other
     int trials = 1;      // of the deviation, before the real run
     int trial_sweeps = 8;
     double target = 0.85;    // of the tolerance, for the mean facet
@@ -51,6 +52,7 @@ struct GlobalResult {
     Flaws flaws;
     Tally tally;
     Deviation deviation;
+    bool intact = false; // no flaws but at corners, and the domain's Euler characteristics
     bool stopped = false;
     std::vector<std::pair<std::string, double>> stats;
 };

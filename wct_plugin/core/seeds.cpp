@@ -276,18 +276,23 @@ void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map,
         box.add(p);
     std::vector<double> sizes = cloud.size;
     double finest = sizing.smallest();
+    double least = finest;
     if (!sizes.empty()) { // a few outliers must not set the lattice's scale
-        const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 50);
-        std::nth_element(sizes.begin(), at, sizes.end());
-        finest = *at;
+        std::sort(sizes.begin(), sizes.end());
+        finest = sizes[sizes.size() / 50];
+        least = sizes.front();
     }
     finest /= form.edge_per_cell;
+    least /= form.edge_per_cell;
     const double coarsest = sizing.form().coarsen * sizing.largest() / form.edge_per_cell;
     // Both ends of the range of sizes are met exactly: a coarser wish rounded down to the level below costs tets.
     const double range = std::log(std::max(1.0, coarsest / finest));
     const int steps = static_cast<int>(std::lround(range / std::log(form.level_ratio)));
-    const int levels = 1 + steps;
     const double ratio = steps > 0 ? std::exp(range / steps) : form.level_ratio;
+    // The outliers get levels of their own: cells coarser than their size leave them with too few points.
+    const int finer = static_cast<int>(std::ceil(std::log(finest / least) / std::log(ratio) - 0.05));
+    const int levels = 1 + steps + finer;
+    finest *= std::pow(ratio, -finer);
     PointGrid grid;
     for (int level = 0; level < levels; ++level) {
         const double cell = finest * std::pow(ratio, level);

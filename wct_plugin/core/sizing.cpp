@@ -146,7 +146,7 @@ void Sizing::limit_by_curvature() {
 }
 
 void Sizing::limit_by_thickness() {
-    // Sheets: rays from each triangle into each region beside it, in a cone, that hit a triangle facing the other way.
+    // Sheets: rays from each triangle to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
     constexpr double kCone = 0.5235987755982988; // 30 degrees
     const auto &data = reference_.data();
@@ -163,8 +163,8 @@ void Sizing::limit_by_thickness() {
         const Vec3 v = cross(n, u);
         double thin = kInfinity;
         for (int side = 0; side < 2; ++side) {
-            if (data.sides[data.patch[t]][side] < 0)
-                continue;
+            // Across a gap outside no tets are wanted: facets only must be too small to reach over.
+            const bool outside = data.sides[data.patch[t]][side] < 0;
             std::array<double, kRays> hits;
             for (int j = 0; j < kRays; ++j) {
                 const double tilt = j == 0 ? 0.0 : kCone;
@@ -177,7 +177,8 @@ void Sizing::limit_by_thickness() {
                 hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
             }
             std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
-            thin = std::min(thin, hits[3]);
+            const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
+            thin = std::min(thin, outside ? narrow : hits[3]);
         }
         const double capped = std::min(thin, reference_.diagonal());
         for (const int at : data.triangles[t]) {
