@@ -10,7 +10,7 @@ namespace wct {
 
 struct SizingForm {
     double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
-    double sag = 1.22;      // sag of a typical facet, as a multiple of the tolerance
+    double sag = 1.31;      // sag of a typical facet, as a multiple of the tolerance
     double thickness = 0.8; // size per local thickness
     double gap = 1.0;       // size per distance to the other side of a gap outside
     double narrowest = 8.0; // gap that is told apart by sizes, in tolerances: in folds gaps go to nothing
