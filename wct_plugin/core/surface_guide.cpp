@@ -21,6 +21,10 @@ constexpr double kInside = 0.93;
 constexpr double kCovered = 0.94; // landmarks: what is between them may be a little farther
 /// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
 constexpr double kBend = 0.99939;
+/// They are no farther apart than this share of the tolerance over the sine of half the bend, but no more than kParts
+/// to an edge.
+constexpr double kApart = 0.3;
+constexpr int kParts = 64;
 
 /// Where a facet is held against the surface: its centroid, half-way from there to the corners, and, only to measure
 /// how far it is, the middles of its edges.
@@ -139,10 +143,13 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
                 landmarks_.push_back({points[t[i]], patch[k]});
             const Edge edge = sorted(t[i], t[(i + 1) % 3]);
             const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, normal);
-            if (first || std::abs(dot(found->second, normal)) > kBend)
+            const double bend = std::abs(dot(found->second, normal)); // its cosine
+            if (first || bend > kBend)
                 continue;
+            // The sharper the bend, the faster the distance may grow between landmarks.
+            const double apart = std::min(spacing, kApart * tolerance_ / std::sqrt(0.5 * (1.0 - bend)));
             const Vec3 &a = points[edge[0]], &b = points[edge[1]];
-            const int parts = std::min(16, static_cast<int>(std::ceil(norm(b - a) / spacing)));
+            const int parts = std::min(kParts, static_cast<int>(std::ceil(norm(b - a) / apart)));
             for (int p = 1; p < parts; ++p)
                 landmarks_.push_back({a + (static_cast<double>(p) / parts) * (b - a), patch[k]});
         }
