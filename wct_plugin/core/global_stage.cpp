@@ -56,7 +56,7 @@ void learn(const Deviation &deviation, Sizing &sizing, std::vector<double> &corr
         correction[v] += std::clamp(-0.5 * (up + down), -excess, excess);
         const double half = std::max(0.5 * (up - down), 0.75 * std::max({up, -down, deviation.missed[v]}));
         const double change = half > 0.0 ? std::sqrt(form.target * tolerance / half) : 2.0;
-        sizing.surface[v] = std::min(sizing.surface[v] * std::clamp(change, 0.75, 1.08), ceiling[v]);
+        sizing.surface[v] = std::min(sizing.surface[v] * std::clamp(change, 0.7, 1.08), ceiling[v]);
     }
     sizing.grade();
 }

@@ -151,7 +151,7 @@ bool Search::worthwhile(const Price &price, int bad) const {
 long Search::patience(int bad) const {
     // Few bad tets in many are worth long trying, and there will not be many such phases; where a good part of the mesh
     // is bad, as round a surface that may not change, most of it is hopeless.
-    const double share = (static_cast<double>(complex_.tets()) + 2000.0) / (8000.0 * std::max(bad, 1));
+    const double share = (static_cast<double>(complex_.tets()) + 2000.0) / (2000.0 * std::max(bad, 1));
     return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, 0.005, 1.0)));
 }
 
