@@ -391,3 +391,12 @@ def test_an_exception_in_progress_comes_through():
 
     with pytest.raises(KeyboardInterrupt):
         run(kuhn_cube(2), progress=fail)
+
+
+def test_a_coarse_notch_keeps_its_planes():
+    """Three tets per edge: a lattice this coarse can cut across the notch without a topological trace."""
+    mesh = l_shape(3)
+    better, _ = run(mesh)
+    check_domain(mesh, better)
+    assert region_volumes(better)[0] == pytest.approx(region_volumes(mesh)[0], rel=1e-12)
+    assert quality.measure(better).completely_well_centered.all()

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -154,6 +155,29 @@ void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference
     sizing.grade();
 }
 
+/// Whether no facet cuts across from one planar patch to another: nothing brings such a facet back, as planes are kept
+/// by keeping their vertices in them.
+bool on_planes(const Cloud &cloud, const Complex &complex, const Reference &reference) {
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i) {
+            if (!complex.on_surface(t, i))
+                continue;
+            const auto facet = complex.facet(t, i);
+            std::vector<int> shared = patches_of(cloud, reference, facet[0]);
+            bool planar = true;
+            for (const int v : facet) {
+                const std::vector<int> own = patches_of(cloud, reference, v);
+                planar = planar && std::all_of(own.begin(), own.end(), [&](int q) { return reference.planar(q); });
+                std::vector<int> both;
+                std::set_intersection(shared.begin(), shared.end(), own.begin(), own.end(), std::back_inserter(both));
+                shared = std::move(both);
+            }
+            if (planar && shared.empty())
+                return false;
+        }
+    return true;
+}
+
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
 /// would press the surface points round them into flat tets.
 bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, const Flaws &flaws) {
@@ -271,7 +295,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     lap("trials");
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
     const auto represents = [&](const Cloud &cloud, const Complex &complex, const Flaws &flaws) {
-        return lost_points(cloud, flaws).empty() && euler_characteristics(complex.all.tets, complex.region) == euler;
+        return lost_points(cloud, flaws).empty() && on_planes(cloud, complex, reference) &&
+               euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
     const double shell = form.shell * form.sizing.tolerance;

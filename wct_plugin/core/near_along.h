@@ -14,10 +14,9 @@ struct NearAlong {
 
     /// Distance to one piece is convex: where it is small at both ends, so it is between them. So this goes on along
     /// each piece to where it is hardly near any more, found by Newton's method from the far side, and there to another
-    /// that is nearer. `first` and `later`: pieces to try first, and where they were found.
+    /// that is nearer. `first`: a piece to try first, and where the beginning was found.
     template <class Tree>
-    bool all_near(const Tree &tree, Vec3 a, const Vec3 &b, double tolerance, std::int32_t &first,
-                  std::int32_t &later) const {
+    bool all_near(const Tree &tree, Vec3 a, const Vec3 &b, double tolerance, std::int32_t &first) const {
         constexpr int turns = 64; // an edge near more pieces than this, one after the other, is refused
         const double limit = at * at * tolerance * tolerance;
         const double within = all * all * tolerance * tolerance;

@@ -200,14 +200,13 @@ bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
     const Vec3 &a = points[static_cast<std::size_t>(watched.corners[0])];
     const Vec3 &b = points[static_cast<std::size_t>(watched.corners[1])];
     if (watched.corners[2] < 0)
-        return std::visit(Overload{
-                              [](const Plane &) { return true; },
-                              [](const Line &) { return true; },
-                              [&](const auto &tree) {
-                                  return kShares.all_near(tree, a, b, tolerance_, watched.last[1], watched.last[2]);
-                              },
-                          },
-                          supports_[static_cast<std::size_t>(watched.support)]);
+        return std::visit(
+            Overload{
+                [](const Plane &) { return true; },
+                [](const Line &) { return true; },
+                [&](const auto &tree) { return kShares.all_near(tree, a, b, tolerance_, watched.last[1]); },
+            },
+            supports_[static_cast<std::size_t>(watched.support)]);
     const Vec3 &c = points[static_cast<std::size_t>(watched.corners[2])];
     const Vec3 middle = (1.0 / 3.0) * (a + b + c);
     return sample_near(watched, 1, 0.5 * (a + middle)) && sample_near(watched, 2, 0.5 * (b + middle)) &&

@@ -226,8 +226,8 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
         if (!sample_near(k))
             return false;
     for (int k = 0; k < 3; ++k)
-        if (edges >> k & 1u && !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], tolerance_,
-                                                hints[kSamples + 2 * k], hints[kSamples + 2 * k + 1]))
+        if (edges >> k & 1u &&
+            !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], tolerance_, hints[kSamples + k]))
             return false;
     return true;
 }
@@ -268,8 +268,8 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
     const Curve &guide = curves_[curve];
     if (guide.straight)
         return true;
-    std::int32_t first = 0, later = 0;
-    return kAlong.all_near(guide.tree, p, q, tolerance_, first, later);
+    std::int32_t first = 0;
+    return kAlong.all_near(guide.tree, p, q, tolerance_, first);
 }
 
 bool SurfaceGuide::covers(const std::array<Vec3, 3> &corners, int landmark) const {

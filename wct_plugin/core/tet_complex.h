@@ -24,7 +24,7 @@ struct KeyHash {
 
 /// Pieces of the surface that parts of a facet were last found near: where to look first. Old ones cost time, no more,
 /// so that they are in no journal.
-using SurfaceHints = std::array<std::int32_t, 13>;
+using SurfaceHints = std::array<std::int32_t, 10>;
 
 struct Vertex {
     Vec3 position;
