@@ -123,8 +123,7 @@ def _progress() -> Iterator[ProgressCallback]:
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
         if stop.is_set():
             raise KeyboardInterrupt
-        stop.set()
-        err.print("stopping; the best so far is kept (Ctrl-C again to give up)")
+        stop.set()  # and no more: the signal may have come in the middle of a print
 
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
     with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
@@ -137,7 +136,10 @@ def _progress() -> Iterator[ProgressCallback]:
             bad = "" if state.bad is None else f"{state.bad} bad"
             new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
             bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
-            return not stop.is_set()
+            if stop.is_set():
+                err.print("stopping; the best so far is kept (Ctrl-C again to give up)")
+                return False
+            return True
 
         try:
             yield show

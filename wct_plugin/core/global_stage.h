@@ -35,7 +35,7 @@ struct GlobalForm {
     int attempts = 1;    // more where the domain was not met, with smaller sizes where its sheets touched each other
     int trials = 1;      // of the deviation, before the real run
     int trial_sweeps = 8;
-    double target = 0.78;    // of the tolerance, for the mean facet
+    double target = 0.72;    // of the tolerance, for the mean facet
     double held = 0.86;      // share of the tolerance beyond which a facet counts as off, as in the local search
     double fit_target = 0.7; // share that costs nothing: between samples facets are farther off
     double fit_weight = 0.1; // against the tets' energies; ten times that doubles the bad tets and gains little
