@@ -58,7 +58,7 @@ class PinnedFacets {
     int find(const Facet &facet) const;
     /// Of entry k of sides_.
     std::array<Vec3, 3> corners(std::size_t k) const;
-    /// visit(tet, i, k, above) for each facet i of a tet that is entry k of sides_; above: its normal points into the tet.
+    /// visit(tet, i, k, above) for each facet i of a tet that is entry k of sides_; above: its normal points inwards.
     template <class Visit> void each_pinned(const std::vector<Tet> &tets, const Visit &visit) const;
 
     const InputMesh &mesh_;
