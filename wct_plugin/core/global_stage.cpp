@@ -265,7 +265,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const bool curved = has_curved_patches(reference);
     const auto start = [&](int sweeps) {
         set_offsets(reference, sizing, form, correction);
-        Cloud cloud = make_seeds(reference, map, sizing, form.seeds, random);
+        Cloud cloud = make_seeds(reference, map, sizing, SeedForm{}, random);
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
             drop_twins(cloud);
             Complex complex = restricted_delaunay(cloud, reference, map);
@@ -333,7 +333,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             if (!form.cosines)
                 energy.weight2 = 0.0;
             const std::size_t evaluations =
-                descend(cloud, complex, direction, energy, form.edge, curved_points(cloud, reference), fit, ties,
+                descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference), fit, ties,
                         form.iterations, form.reach);
             monitor.work(evaluations, static_cast<double>(round) / form.rounds);
         }
