@@ -152,7 +152,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
         return better, {**result, **work, "tolerance": tolerance / diagonal}
 
-    def _share(self, start: dict[str, Any]) -> float:
+    def _share(self, start: Start) -> float:
         """Of the tets that miss the goal in a start of the search."""
         measured = quality.measure(TetMesh(start["points"], start["tets"]))
         return self._bad(measured) / len(measured)
@@ -210,7 +210,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
 
     def _resample(
         self, mesh: TetMesh, reference: Reference, tolerance: float, size: Floats | None, listen: "_Listener"
-    ) -> dict[str, Any] | None:
+    ) -> Start | None:
         """The relaxed lattice start, or None where it does not represent the domain."""
         options = self.options
         found = _core.resample(

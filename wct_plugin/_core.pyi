@@ -152,7 +152,8 @@ class ResampledArrays(SurfaceArrays):
     pinched: NDArray[np.int64]
     """Points where the result is no manifold; both empty if all went well."""
     intact: bool
-    """No such points but corners, and the Euler characteristic of every region as in the mesh."""
+    """No such points but corners, no facet that cuts across from one planar patch to another, and the Euler
+    characteristic of every region as in the mesh."""
     stats: dict[str, Any]
 
 class SearchedArrays(SurfaceArrays):
@@ -199,7 +200,7 @@ def resample(
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
-    options: dict[str, Any] = ...,
+    gap: float = 1.0,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
 
@@ -207,7 +208,8 @@ def resample(
     ``curve`` (s,), ``corners`` (c,), ``sides`` (patches, 2): the region behind a patch's triangles and the one before,
     -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
     ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
-    point, else the mesh's own local one. ``progress(done, bad)`` as in :func:`move_vertices`.
+    point, else the mesh's own local one. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges
+    beside a gap outside may be, in widths of the gap.
 
     The label of a corner is its surface point. The same input and seed give the same bits.
     """

@@ -1,7 +1,7 @@
 """What the local search starts from where the boundary stays: the mesh itself, or its inside filled anew."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,21 @@ from wct_plugin.reference import Reference
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-#: The arguments of :func:`wct_plugin._core.search_well_centered` that make up a mesh.
-Start = dict[str, Any]
+
+
+class Start(TypedDict):
+    """The arguments of :func:`wct_plugin._core.search_well_centered` that make up a mesh."""
+
+    points: Floats
+    tets: Ints
+    regions: Ints
+    stratum: NDArray[np.int8]
+    label: Ints
+    size: Floats
+    facets: Ints
+    facet_patch: Ints
+    creases: Ints
+    crease_curve: Ints
 
 
 def from_mesh(mesh: TetMesh, own: Reference, *, pinned: bool) -> Start:

@@ -284,8 +284,8 @@ def test_bad_arguments_are_refused():
     region = np.zeros(len(tets), dtype=np.int64)
     with pytest.raises(ValueError, match="tolerance"):
         _core.resample(**surface, points=points, tets=tets, region=region, tolerance=0.0)
-    with pytest.raises(ValueError, match="unknown option"):
-        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0, options={"colour": 1})
+    with pytest.raises(ValueError, match="gap"):
+        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0, gap=0.0)
     surface["triangles"] = surface["triangles"] + 100
     with pytest.raises(ValueError, match="triangles names point 1"):
         _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0)
@@ -322,17 +322,17 @@ def euler(tets):
 )
 def test_close_sheets_stay_apart(keep, width):
     mesh = squeezed_box(width, keep)
-    assert volumes(*resampled(mesh, {})).sum() == pytest.approx(volumes(mesh.points, mesh.tets).sum(), rel=1e-6)
+    assert volumes(*resampled(mesh)).sum() == pytest.approx(volumes(mesh.points, mesh.tets).sum(), rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_surface_that_cuts_across_a_slot_is_not_the_domain(seed):
     """Facets six times as long as the slot is wide reach from wall to wall, mostly without a topological trace."""
     mesh = squeezed_box(0.02, lambda c: ~(in_layer(c) & (c[:, 2] > 1 / 3)))
-    assert not start(mesh, {"gap": 100.0}, seed)["intact"]
+    assert not start(mesh, gap=100.0, seed=seed)["intact"]
 
 
-def start(mesh, options, seed=1):
+def start(mesh, **options):
     """What the global stage makes of a mesh near its own boundary."""
     own = own_boundary(mesh, 40.0)
     return _core.resample(
@@ -347,14 +347,13 @@ def start(mesh, options, seed=1):
         mesh.tets,
         np.zeros(len(mesh.tets), dtype=np.int64),
         1e-3 * own.diagonal,
-        seed=seed,
-        options=options,
+        **options,
     )
 
 
-def resampled(mesh, options, seed=1):
+def resampled(mesh):
     """Points and tets of the global stage, a ball like the mesh and with a manifold surface."""
-    result = start(mesh, options, seed)
+    result = start(mesh)
     assert result["intact"]
     facets = np.sort(result["tets"][:, FACETS].reshape(-1, 3), axis=1)
     facets, count = np.unique(facets, axis=0, return_counts=True)

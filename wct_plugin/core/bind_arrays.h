@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -77,12 +78,11 @@ std::vector<std::array<std::int32_t, corners>> cells_of(const Array &array, std:
     return out;
 }
 
-/// A (length,) array of numbers in 0..count-1.
-inline std::vector<int> numbers_of(const Array &array, std::size_t length, std::int64_t count, const char *name) {
+/// An (n,) array of numbers in 0..count-1.
+inline std::vector<int> numbers_of(const Array &array, std::int64_t count, const char *name) {
     const auto values = rows<std::int64_t>(array, 0, name);
-    expect_length(values.size(), length, name);
     std::vector<int> out;
-    out.reserve(length);
+    out.reserve(values.size());
     for (const auto value : values) {
         if (value < 0 || value >= count)
             refuse(std::string(name) + " holds " + std::to_string(value) +
@@ -90,6 +90,12 @@ inline std::vector<int> numbers_of(const Array &array, std::size_t length, std::
         out.push_back(static_cast<int>(value));
     }
     return out;
+}
+
+/// The same of this length.
+inline std::vector<int> numbers_of(const Array &array, std::size_t length, std::int64_t count, const char *name) {
+    expect_length(rows<std::int64_t>(array, 0, name).size(), length, name);
+    return numbers_of(array, count, name);
 }
 
 inline std::vector<std::int64_t> labels_of(const Array &array, std::size_t length, const char *name) {
@@ -135,6 +141,30 @@ template <class T, class Fill> nanobind::object array(std::size_t count, std::si
     fill(values.get());
     return width ? nanobind::cast(fresh(std::move(values), count, width))
                  : nanobind::cast(fresh(std::move(values), count));
+}
+
+/// A new NumPy array of `columns` columns (0: one-dimensional) of these values, row by row.
+template <class To, class From> nanobind::object array_of(const std::vector<From> &values, std::size_t columns = 0) {
+    return array<To>(values.size() / (columns ? columns : 1), columns,
+                     [&](To *to) { std::copy(values.begin(), values.end(), to); });
+}
+
+/// A new (n, columns) array of these cells' corners.
+template <class To, class From, std::size_t columns>
+nanobind::object array_of(const std::vector<std::array<From, columns>> &cells) {
+    return array<To>(cells.size(), columns, [&](To *to) {
+        for (const auto &cell : cells)
+            to = std::copy(cell.begin(), cell.end(), to);
+    });
+}
+
+/// A new (n, 3) array of points.
+inline nanobind::object array_of(const std::vector<Vec3> &points) {
+    return array<double>(points.size(), 3, [&](double *to) {
+        for (const Vec3 &p : points)
+            for (const double x : {p.x, p.y, p.z})
+                *to++ = x;
+    });
 }
 
 /// Ask a Python listener whether to go on; one that says nothing, and none at all, goes on. Takes the GIL.

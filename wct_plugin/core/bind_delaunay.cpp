@@ -3,20 +3,11 @@
 
 #include "delaunay.h"
 
-#include <algorithm>
-
 namespace nb = nanobind;
 
 namespace wct {
 
 namespace {
-
-nb::object quads(const std::vector<std::array<int, 4>> &cells) {
-    return array<std::int64_t>(cells.size(), 4, [&](std::int64_t *to) {
-        for (const auto &cell : cells)
-            to = std::copy(cell.begin(), cell.end(), to);
-    });
-}
 
 nb::tuple delaunay_arrays(const Array &points) {
     const auto at = points_of(points);
@@ -25,7 +16,7 @@ nb::tuple delaunay_arrays(const Array &points) {
         nb::gil_scoped_release release;
         mesh = delaunay(at);
     }
-    return nb::make_tuple(quads(mesh.tets), quads(mesh.neighbours));
+    return nb::make_tuple(array_of<std::int64_t>(mesh.tets), array_of<std::int64_t>(mesh.neighbours));
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-#include "bind_arrays.h"
+#include "bind_domain.h"
 #include "bindings.h"
 
 #include "global_stage.h"
@@ -6,7 +6,6 @@
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 
 #include <algorithm>
 #include <optional>
@@ -69,15 +68,13 @@ nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
             for (const int v : facet)
                 *to++ = place[v];
     });
-    out["facet_patch"] = array<std::int64_t>(
-        surface.patch.size(), 0, [&](std::int64_t *to) { std::copy(surface.patch.begin(), surface.patch.end(), to); });
+    out["facet_patch"] = array_of<std::int64_t>(surface.patch);
     out["creases"] = array<std::int64_t>(surface.creases.size(), 2, [&](std::int64_t *to) {
         for (const Edge &edge : surface.creases)
             for (const int v : edge)
                 *to++ = place[v];
     });
-    out["crease_curve"] = array<std::int64_t>(
-        surface.curve.size(), 0, [&](std::int64_t *to) { std::copy(surface.curve.begin(), surface.curve.end(), to); });
+    out["crease_curve"] = array_of<std::int64_t>(surface.curve);
     const auto flawed = [&](const std::vector<int> &list) {
         return array<std::int64_t>(list.size(), 0, [&](std::int64_t *to) {
             for (const int v : list)
@@ -99,52 +96,6 @@ nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
     return out;
 }
 
-template <class T> void take(nb::dict &options, const char *name, T &to) {
-    if (!options.contains(name))
-        return;
-    to = nb::cast<T>(options[name]);
-    nb::del(options[name]);
-}
-
-GlobalForm form_of(nb::dict options) {
-    GlobalForm form;
-    take(options, "sag", form.sizing.sag);
-    take(options, "thickness", form.sizing.thickness);
-    take(options, "gap", form.sizing.gap);
-    take(options, "surface_grade", form.sizing.surface_grade);
-    take(options, "inner_grade", form.sizing.inner_grade);
-    take(options, "smallest", form.sizing.smallest);
-    take(options, "coarsen", form.sizing.coarsen);
-    take(options, "patch_spacing", form.seeds.patch_spacing);
-    take(options, "front_spacing", form.seeds.front_spacing);
-    take(options, "level_ratio", form.seeds.level_ratio);
-    take(options, "edge_per_cell", form.seeds.edge_per_cell);
-    take(options, "least_depth", form.seeds.least_depth);
-    take(options, "level_gap", form.seeds.level_gap);
-    take(options, "offset", form.offset);
-    take(options, "shell", form.shell);
-    take(options, "sweeps", form.sweeps);
-    take(options, "step", form.step);
-    take(options, "mend_from", form.mend_from);
-    take(options, "longest", form.longest);
-    take(options, "shortest", form.shortest);
-    take(options, "edge_limit", form.edge.limit);
-    take(options, "edge_weight", form.edge.weight);
-    take(options, "rounds", form.rounds);
-    take(options, "iterations", form.iterations);
-    take(options, "reach", form.reach);
-    take(options, "trials", form.trials);
-    take(options, "trial_sweeps", form.trial_sweeps);
-    take(options, "target", form.target);
-    take(options, "margin3", form.energy.margin3);
-    take(options, "margin2", form.energy.margin2);
-    take(options, "weight2", form.energy.weight2);
-    take(options, "weight_quality", form.energy.weight_quality);
-    for (auto [key, value] : options)
-        throw std::invalid_argument("unknown option " + nb::cast<std::string>(key));
-    return form;
-}
-
 /// Nearest points of a surface: points, triangles, distances.
 nb::tuple closest_arrays(const Array &surface_points, const Array &triangles, const Array &queries) {
     SurfaceData surface;
@@ -154,31 +105,20 @@ nb::tuple closest_arrays(const Array &surface_points, const Array &triangles, co
         throw std::invalid_argument("the surface has no triangles");
     surface.patch.assign(surface.triangles.size(), 0);
     surface.sides = {{0, -1}};
-    const std::vector<Vec3> at = points_of(queries, "queries");
-    std::vector<Foot> feet(at.size());
+    std::vector<Vec3> at = points_of(queries, "queries");
+    std::vector<int> piece(at.size());
+    std::vector<double> distance(at.size());
     {
         nb::gil_scoped_release release;
         const Reference reference(std::move(surface));
-        for (std::size_t i = 0; i < at.size(); ++i)
-            feet[i] = reference.nearest(at[i]);
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            const Foot foot = reference.nearest(at[i]);
+            at[i] = foot.point;
+            piece[i] = foot.triangle;
+            distance[i] = foot.distance;
+        }
     }
-    return nb::make_tuple(array<double>(feet.size(), 3,
-                                        [&](double *to) {
-                                            for (const Foot &foot : feet) {
-                                                *to++ = foot.point.x;
-                                                *to++ = foot.point.y;
-                                                *to++ = foot.point.z;
-                                            }
-                                        }),
-                          array<std::int64_t>(feet.size(), 0,
-                                              [&](std::int64_t *to) {
-                                                  for (const Foot &foot : feet)
-                                                      *to++ = foot.triangle;
-                                              }),
-                          array<double>(feet.size(), 0, [&](double *to) {
-                              for (const Foot &foot : feet)
-                                  *to++ = foot.distance;
-                          }));
+    return nb::make_tuple(array_of(at), array_of<std::int64_t>(piece), array_of<double>(distance));
 }
 
 /// Principal curvatures per triangle corner.
@@ -203,34 +143,23 @@ nb::object curvature_arrays(const Array &surface_points, const Array &triangles,
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         bool cosines, std::uint64_t seed, const nb::object &progress, const nb::dict &options) {
-    SurfaceData surface;
-    surface.points = points_of(surface_points, "surface_points");
-    surface.triangles = cells_of<3>(triangles, surface.points.size(), "triangles");
-    const auto of_sides = rows<std::int64_t>(sides, 2, "sides");
-    for (std::size_t i = 0; i < of_sides.size(); i += 2)
-        surface.sides.push_back({static_cast<int>(of_sides[i]), static_cast<int>(of_sides[i + 1])});
-    surface.patch =
-        numbers_of(patch, surface.triangles.size(), static_cast<std::int64_t>(surface.sides.size()), "patch");
+                         bool cosines, std::uint64_t seed, const nb::object &progress, double gap) {
+    SurfaceData surface =
+        surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
     surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
     surface.curve =
         numbers_of(curve, surface.segments.size(), static_cast<std::int64_t>(surface.segments.size()), "curve");
-    surface.corners = numbers_of(corners, rows<std::int64_t>(corners, 0, "corners").size(),
-                                 static_cast<std::int64_t>(surface.points.size()), "corners");
-    InputMesh mesh;
-    mesh.points = points_of(points);
-    mesh.tets = cells_of<4>(tets, mesh.points.size(), "tets");
-    mesh.region = numbers_of(region, mesh.tets.size(), std::int64_t{1} << 30, "region");
+    surface.corners = numbers_of(corners, static_cast<std::int64_t>(surface.points.size()), "corners");
+    const InputMesh mesh = mesh_of(points, tets, region);
     if (surface.triangles.empty() || mesh.tets.empty())
         throw std::invalid_argument("a surface and a mesh are needed");
     if (!(tolerance > 0.0))
         throw std::invalid_argument("tolerance must be positive");
-    std::vector<double> wanted;
-    if (size)
-        wanted = sizes_of(*size, mesh.points.size(), "size");
-    nb::dict copy;
-    copy.update(options);
-    GlobalForm form = form_of(copy);
+    if (!(gap > 0.0))
+        throw std::invalid_argument("gap must be positive");
+    const std::vector<double> wanted = wanted_of(size, mesh);
+    GlobalForm form;
+    form.sizing.gap = gap;
     form.sizing.tolerance = tolerance;
     form.cosines = cosines;
     form.seed = seed;
@@ -254,7 +183,7 @@ void bind_global(nb::module_ &m) {
         "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
         nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
         nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("cosines") = true,
-        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("options") = nb::dict(),
+        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -262,12 +191,14 @@ void bind_global(nb::module_ &m) {
         "outside.\n"
         "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
         "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
-        "one. progress(done, bad) returns False to stop.\n\n"
+        "one. progress(done, bad) returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
+        "of the gap.\n\n"
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, 1 patch, 2 crease, 3 corner),\n"
         "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
         "where\n"
-        "the result is no manifold (both empty if all went well); intact: none such but at corners, and the Euler\n"
-        "characteristic of every region as in the mesh; stats. The same input and seed give the same bits.");
+        "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
+        "across from one planar patch to another, and the Euler characteristic of every region is as in the mesh;\n"
+        "stats. The same input and seed give the same bits.");
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
           "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
     m.def(

@@ -1,11 +1,10 @@
-#include "bind_arrays.h"
+#include "bind_domain.h"
 #include "bindings.h"
 
 #include "interior.h"
 
 #include <nanobind/stl/optional.h>
 
-#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -16,27 +15,13 @@ namespace wct {
 
 namespace {
 
-template <class T> nb::object list_of(const std::vector<int> &values) {
-    return array<T>(values.size(), 0, [&](T *to) { std::copy(values.begin(), values.end(), to); });
-}
-
 nb::dict to_python(const Interior &interior) {
     nb::dict out;
-    out["points"] = array<double>(interior.points.size(), 3, [&](double *to) {
-        for (const Vec3 &p : interior.points) {
-            *to++ = p.x;
-            *to++ = p.y;
-            *to++ = p.z;
-        }
-    });
-    out["tets"] = array<std::int64_t>(interior.tets.size(), 4, [&](std::int64_t *to) {
-        for (const Tet &tet : interior.tets)
-            to = std::copy(tet.begin(), tet.end(), to);
-    });
-    out["regions"] = list_of<std::int64_t>(interior.region);
-    out["origin"] = list_of<std::int64_t>(interior.origin);
-    out["size"] = array<double>(interior.size.size(), 0,
-                                [&](double *to) { std::copy(interior.size.begin(), interior.size.end(), to); });
+    out["points"] = array_of(interior.points);
+    out["tets"] = array_of<std::int64_t>(interior.tets);
+    out["regions"] = array_of<std::int64_t>(interior.region);
+    out["origin"] = array_of<std::int64_t>(interior.origin);
+    out["size"] = array_of<double>(interior.size);
     out["stopped"] = interior.stopped;
     return out;
 }
@@ -44,28 +29,15 @@ nb::dict to_python(const Interior &interior) {
 nb::dict refill_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
                        const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
                        const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress) {
-    InputMesh mesh;
-    mesh.points = points_of(points);
-    mesh.tets = cells_of<4>(tets, mesh.points.size(), "tets");
-    mesh.region = numbers_of(region, mesh.tets.size(), std::int64_t{1} << 30, "region");
-    SurfaceData surface;
-    surface.points = mesh.points;
-    surface.triangles = cells_of<3>(facets, mesh.points.size(), "facets");
-    const auto of_sides = rows<std::int64_t>(sides, 2, "sides");
-    for (std::size_t i = 0; i < of_sides.size(); i += 2)
-        surface.sides.push_back({static_cast<int>(of_sides[i]), static_cast<int>(of_sides[i + 1])});
-    surface.patch = numbers_of(facet_patch, surface.triangles.size(), static_cast<std::int64_t>(surface.sides.size()),
-                               "facet_patch");
+    const InputMesh mesh = mesh_of(points, tets, region);
+    SurfaceData surface = surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides);
     const auto held = cells_of<2>(edges, mesh.points.size(), "edges");
     std::vector<char> stay(mesh.points.size(), 0);
-    for (const int v : numbers_of(pinned, rows<std::int64_t>(pinned, 0, "pinned").size(),
-                                  static_cast<std::int64_t>(mesh.points.size()), "pinned"))
+    for (const int v : numbers_of(pinned, static_cast<std::int64_t>(mesh.points.size()), "pinned"))
         stay[v] = 1;
     if (surface.triangles.empty() || mesh.tets.empty())
         throw std::invalid_argument("facets and tets are needed");
-    std::vector<double> wanted;
-    if (size)
-        wanted = sizes_of(*size, mesh.points.size(), "size");
+    const std::vector<double> wanted = wanted_of(size, mesh);
     InteriorForm form;
     form.cosines = cosines;
     form.seed = seed;

@@ -17,11 +17,6 @@ namespace wct {
 
 namespace {
 
-template <class T> nb::object array_of(const std::vector<T> &values, std::size_t columns) {
-    return array<T>(values.size() / (columns ? columns : 1), columns,
-                    [&](T *to) { std::copy(values.begin(), values.end(), to); });
-}
-
 /// Labels count from 0 without gaps: each names a piece of the surface. Returns how many there are.
 std::int64_t pieces(const std::vector<int> &labels, const char *name) {
     std::vector<int> sorted = labels;
@@ -122,15 +117,15 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome) {
         out_curves.push_back(curve);
     }
     nb::dict result;
-    result["points"] = array_of(out_points, 3);
-    result["tets"] = array_of(out_tets, 4);
-    result["regions"] = array_of(out_regions, 0);
-    result["stratum"] = array_of(out_strata, 0);
-    result["label"] = array_of(out_labels, 0);
-    result["facets"] = array_of(out_facets, 3);
-    result["facet_patch"] = array_of(out_patches, 0);
-    result["creases"] = array_of(out_creases, 2);
-    result["crease_curve"] = array_of(out_curves, 0);
+    result["points"] = array_of<double>(out_points, 3);
+    result["tets"] = array_of<std::int64_t>(out_tets, 4);
+    result["regions"] = array_of<std::int64_t>(out_regions);
+    result["stratum"] = array_of<std::int8_t>(out_strata);
+    result["label"] = array_of<std::int64_t>(out_labels);
+    result["facets"] = array_of<std::int64_t>(out_facets, 3);
+    result["facet_patch"] = array_of<std::int64_t>(out_patches);
+    result["creases"] = array_of<std::int64_t>(out_creases, 2);
+    result["crease_curve"] = array_of<std::int64_t>(out_curves);
     result["bad"] = outcome.bad;
     result["passes"] = outcome.passes;
     result["kicks"] = outcome.kicks;
@@ -176,8 +171,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     expect_conforming(at, cells, sheet, edges);
     std::vector<int> hopeless;
     if (ruled_out)
-        hopeless = numbers_of(*ruled_out, rows<std::int64_t>(*ruled_out, 0, "ruled_out").size(),
-                              static_cast<std::int64_t>(sheet.size()), "ruled_out");
+        hopeless = numbers_of(*ruled_out, static_cast<std::int64_t>(sheet.size()), "ruled_out");
     if (!hopeless.empty() && (flip_surface || split_surface))
         refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
     if (!(tolerance > 0.0))

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace wct {
 
@@ -35,6 +37,31 @@ void Cloud::keep(const std::vector<char> &which) {
     role.resize(to);
     label.resize(to);
     size.resize(to);
+}
+
+std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point) {
+    switch (cloud.role[point]) {
+    case Stratum::patch:
+        return {cloud.label[point]};
+    case Stratum::crease:
+        return reference.patches_at_curve(cloud.label[point]);
+    case Stratum::corner:
+        return reference.patches_at_vertex(cloud.label[point]);
+    case Stratum::interior:
+        break;
+    }
+    return {};
+}
+
+std::vector<int> shared_patches(const Cloud &cloud, const Reference &reference, std::span<const int> points) {
+    std::vector<int> shared = patches_of(cloud, reference, points.front());
+    for (const int point : points.subspan(1)) {
+        const std::vector<int> own = patches_of(cloud, reference, point);
+        std::vector<int> both;
+        std::set_intersection(shared.begin(), shared.end(), own.begin(), own.end(), std::back_inserter(both));
+        shared = std::move(both);
+    }
+    return shared;
 }
 
 bool drop_twins(Cloud &cloud) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -27,6 +28,11 @@ struct Cloud {
     }
     void keep(const std::vector<char> &which);
 };
+
+/// The patches a point of the cloud belongs to, ascending.
+std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point);
+/// The patches all of these points belong to (at least one), ascending.
+std::vector<int> shared_patches(const Cloud &cloud, const Reference &reference, std::span<const int> points);
 
 /// Drop points that coincide with another: of two the one that is freer to move goes, else the later one. True if any
 /// did.

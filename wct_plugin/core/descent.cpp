@@ -274,10 +274,7 @@ std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3
             memory.clear();
             continue;
         }
-        Field moved = next, change = slope;
-        add(moved, -1.0, points);
-        add(change, -1.0, gradient);
-        memory.remember(std::move(moved), std::move(change));
+        memory.remember(points, next, gradient, slope);
         const bool done = energy - lower < 1e-9 * energy;
         points = next;
         gradient = slope;

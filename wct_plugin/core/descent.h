@@ -19,8 +19,8 @@ Tally count_bad(const Cloud &cloud, const Complex &complex, bool cosines);
 
 /// A penalty on surface edges that are too long for the tolerance: weight * sum max(0, length / reach - 1)^2.
 struct EdgeForm {
-    double limit = 1.2; // in target sizes
     double weight = 2.0;
+    static constexpr double limit = 1.2; // in target sizes
 };
 
 /// Lower the energy of all tets at once by L-BFGS, keeping the connectivity. Patch points move in the plane across

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <map>
 
@@ -113,12 +112,16 @@ void settle(Cloud &cloud, const Reference &reference, double shell, std::vector<
     while (drop_twins(cloud) || thin_creases(cloud, reference));
 }
 
+bool on_curved(const Cloud &cloud, const Reference &reference, int point) {
+    const std::vector<int> own = patches_of(cloud, reference, point);
+    return std::any_of(own.begin(), own.end(), [&](int patch) { return !reference.planar(patch); });
+}
+
 /// Points whose surface edges cut across a bend.
 std::vector<char> curved_points(const Cloud &cloud, const Reference &reference) {
     std::vector<char> curved(cloud.count(), 0);
     for (std::size_t i = 0; i < cloud.count(); ++i)
-        for (const int patch : patches_of(cloud, reference, static_cast<int>(i)))
-            curved[i] = curved[i] || !reference.planar(patch);
+        curved[i] = on_curved(cloud, reference, static_cast<int>(i));
     return curved;
 }
 
@@ -163,16 +166,8 @@ bool on_planes(const Cloud &cloud, const Complex &complex, const Reference &refe
             if (!complex.on_surface(t, i))
                 continue;
             const auto facet = complex.facet(t, i);
-            std::vector<int> shared = patches_of(cloud, reference, facet[0]);
-            bool planar = true;
-            for (const int v : facet) {
-                const std::vector<int> own = patches_of(cloud, reference, v);
-                planar = planar && std::all_of(own.begin(), own.end(), [&](int q) { return reference.planar(q); });
-                std::vector<int> both;
-                std::set_intersection(shared.begin(), shared.end(), own.begin(), own.end(), std::back_inserter(both));
-                shared = std::move(both);
-            }
-            if (planar && shared.empty())
+            if (shared_patches(cloud, reference, facet).empty() &&
+                std::all_of(facet.begin(), facet.end(), [&](int v) { return !on_curved(cloud, reference, v); }))
                 return false;
         }
     return true;
@@ -270,7 +265,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const bool curved = has_curved_patches(reference);
     const auto start = [&](int sweeps) {
         set_offsets(reference, sizing, form, correction);
-        Cloud cloud = make_seeds(reference, map, sizing, form.seeds, random);
+        Cloud cloud = make_seeds(reference, map, sizing, SeedForm{}, random);
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
             drop_twins(cloud);
             Complex complex = restricted_delaunay(cloud, reference, map);
@@ -338,7 +333,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             if (!form.cosines)
                 energy.weight2 = 0.0;
             const std::size_t evaluations =
-                descend(cloud, complex, direction, energy, form.edge, curved_points(cloud, reference), fit, ties,
+                descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference), fit, ties,
                         form.iterations, form.reach);
             monitor.work(evaluations, static_cast<double>(round) / form.rounds);
         }

@@ -35,19 +35,14 @@ void GroupDescent::gather(int t) {
 void GroupDescent::load() {
     const std::size_t groups = (tets_.size() + kLanes - 1) / kLanes;
     lanes_.resize(groups);
-    terms_.assign(groups, flatness_terms(kDegenerate));
+    terms_.resize(groups);
     for (std::size_t k = 0; k < groups * kLanes; ++k) {
         const Tet &tet = complex_.tet(tets_[std::min(k, tets_.size() - 1)]);
         for (int i = 0; i < 4; ++i)
             lanes_[k / kLanes].set(static_cast<int>(k % kLanes), i, complex_.point(tet[i]));
     }
-    for (std::size_t g = 0; g < groups; ++g) {
-        WorstLanes worst; // what is flatter than allowed already may stay so
-        measure_worst(lanes_[g], false, worst);
-        for (int lane = 0; lane < kLanes; ++lane)
-            if (worst.flatness[lane] <= kDegenerate)
-                terms_[g].flatness[lane] = 0.999 * worst.flatness[lane];
-    }
+    for (std::size_t g = 0; g < groups; ++g)
+        terms_[g] = SearchEnergy::present_terms(lanes_[g]);
 }
 
 /// Free vertices at from + t step, each on its stratum; false if one may not move at all.
@@ -134,10 +129,7 @@ bool GroupDescent::relax_round(int t) {
             pairs.clear();
             continue;
         }
-        Field moved = next, change = slope;
-        add(moved, -1.0, at);
-        add(change, -1.0, gradient);
-        pairs.remember(std::move(moved), std::move(change));
+        pairs.remember(at, next, gradient, slope);
         const double gain = energy - trial;
         at.swap(next);
         gradient.swap(slope);

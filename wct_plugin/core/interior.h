@@ -15,18 +15,20 @@
 
 namespace wct {
 
+/// What is asked of refill, and the constants it works with.
 struct InteriorForm {
     double size = 0.8; // of the new tets, relative to the input's own or the wanted size
     double most = 2.0; // tets per tet of the input; larger ones are made where that would be passed
     SeedForm seeds{.edge_per_cell = 1.2};
-    int sweeps = 25; // of relaxation
-    double step = 0.7;
-    int rounds = 6;      // of descent
-    int iterations = 15; // of L-BFGS per round
-    double reach = 0.1;  // longest step of a point, in sizes
     bool cosines = true;
     std::uint64_t seed = 1;
-    EnergyForm energy{0.12, 2.5, 0.08, 2.5, 1.0, 0.003};
+
+    static constexpr int sweeps = 25; // of relaxation
+    static constexpr double step = 0.7;
+    static constexpr int rounds = 6;      // of descent
+    static constexpr int iterations = 15; // of L-BFGS per round
+    static constexpr double reach = 0.1;  // longest step of a point, in sizes
+    static constexpr EnergyForm energy{0.12, 2.5, 0.08, 2.5, 1.0, 0.003};
 };
 
 /// A mesh between pinned facets.

@@ -14,8 +14,8 @@ class Kicks {
   public:
     Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
           SurfaceWatch &watch, Repair &repair, Random &random)
-        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), watch_(watch), repair_(repair),
-          random_(random), agenda_(complex, energy, random) {}
+        : complex_(complex), operators_(operators), descent_(descent), watch_(watch), repair_(repair), random_(random),
+          agenda_(complex, energy, random) {}
 
     /// Look for bad tets afresh, after changes made elsewhere.
     void restart() { agenda_.rebuild(); }
@@ -44,7 +44,6 @@ class Kicks {
     bool repair(const Kick &kick, const Vec3 &center, double radius);
 
     TetComplex &complex_;
-    const SearchEnergy &energy_;
     Operators &operators_;
     StarDescent &descent_;
     SurfaceWatch &watch_;

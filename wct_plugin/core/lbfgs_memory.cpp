@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace wct {
 
@@ -32,6 +33,13 @@ void LbfgsMemory::remember(Field step, Field change) {
     pairs_.push_back({std::move(step), std::move(change), 1.0 / curve});
     if (pairs_.size() > most_)
         pairs_.pop_front();
+}
+
+void LbfgsMemory::remember(const Field &from, const Field &to, const Field &gradient, const Field &slope) {
+    Field step = to, change = slope;
+    add(step, -1.0, from);
+    add(change, -1.0, gradient);
+    remember(std::move(step), std::move(change));
 }
 
 Field LbfgsMemory::direction(const Field &gradient) const {

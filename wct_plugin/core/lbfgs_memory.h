@@ -26,6 +26,8 @@ class LbfgsMemory {
     void clear() { pairs_.clear(); }
     /// Remember a step and the gradient's change along it, unless the energy does not curve upwards there.
     void remember(Field step, Field change);
+    /// The same, from positions and gradients before and after the step.
+    void remember(const Field &from, const Field &to, const Field &gradient, const Field &slope);
     /// Minus the inverse Hessian times the gradient; something must be remembered.
     Field direction(const Field &gradient) const;
 

@@ -1,9 +1,10 @@
 #include "pinches.h"
 
+#include "groups.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace wct {
@@ -12,27 +13,6 @@ namespace {
 
 constexpr std::size_t kLargest = 12; // tets that change sides at once
 constexpr double kFlat = 1e-3;       // volume per cube of the size below which no tet is taken in
-
-/// Sets of numbers below a limit.
-class Groups {
-  public:
-    explicit Groups(std::size_t count) : root_(count) { std::iota(root_.begin(), root_.end(), 0); }
-    int find(int x) {
-        while (root_[x] != x)
-            x = root_[x] = root_[root_[x]];
-        return x;
-    }
-    void join(int x, int y) { root_[find(x)] = find(y); }
-    int count() {
-        int groups = 0;
-        for (std::size_t k = 0; k < root_.size(); ++k)
-            groups += find(static_cast<int>(k)) == static_cast<int>(k);
-        return groups;
-    }
-
-  private:
-    std::vector<int> root_;
-};
 
 /// Per vertex of the reference, whether triangles meet there that are not joined across edges.
 std::vector<char> touching_vertices(const SurfaceData &data) {

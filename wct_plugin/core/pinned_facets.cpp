@@ -139,19 +139,32 @@ int PinnedFacets::find(const Facet &facet) const {
     return at != sides_.end() && at->facet == facet ? static_cast<int>(at - sides_.begin()) : -1;
 }
 
+std::array<Vec3, 3> PinnedFacets::corners(std::size_t k) const {
+    const auto &[a, b, c] = sides_[k].facet;
+    return {mesh_.points[points_[a]], mesh_.points[points_[b]], mesh_.points[points_[c]]};
+}
+
+template <class Visit> void PinnedFacets::each_pinned(const std::vector<Tet> &tets, const Visit &visit) const {
+    const auto count = static_cast<int>(points_.size());
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        for (int i = 0; i < 4; ++i) {
+            const auto &f = kFacets[i];
+            Facet facet{tets[t][f[0]], tets[t][f[1]], tets[t][f[2]]};
+            if (std::max({facet[0], facet[1], facet[2]}) >= count) // most are, and the look-up is not free
+                continue;
+            const bool above = ascend(facet);
+            if (const int k = find(facet); k >= 0)
+                visit(t, i, k, above);
+        }
+}
+
 void PinnedFacets::recover(Triangulation &all, std::span<const Vec3> at) const {
     if (!squares_)
         return;
     constexpr int rounds = 3; // a tet may be beside more than one square
     for (int round = 0; round < rounds; ++round) {
         std::vector<char> seen(sides_.size(), 0);
-        for (const auto &tet : all.tets)
-            for (const auto &f : kFacets) {
-                Facet facet{tet[f[0]], tet[f[1]], tet[f[2]]};
-                ascend(facet);
-                if (const int k = find(facet); k >= 0)
-                    seen[k] = 1;
-            }
+        each_pinned(all.tets, [&](std::size_t, int, int k, bool) { seen[k] = 1; });
         std::vector<Facet> missing;
         for (std::size_t k = 0; k < sides_.size(); ++k)
             if (!seen[k])
@@ -168,32 +181,20 @@ void PinnedFacets::protect(const Triangulation &all, std::vector<char> &missing)
     missing.assign(sides_.size(), 1);
     balls_.assign(sides_.size(), {});
     for (std::size_t k = 0; k < sides_.size(); ++k) {
-        const auto &[a, b, c] = sides_[k].facet;
-        const Vec3 &p = mesh_.points[points_[a]];
-        const Vec3 u = mesh_.points[points_[b]] - p, v = mesh_.points[points_[c]] - p, n = cross(u, v);
+        const auto [p, q, r] = corners(k);
+        const Vec3 u = q - p, v = r - p, n = cross(u, v);
         const Vec3 to = (0.5 / dot(n, n)) * (dot(u, u) * cross(v, n) + dot(v, v) * cross(n, u));
         balls_[k] = {p + to, norm(to)};
     }
-    for (std::size_t t = 0; t < all.tets.size(); ++t)
-        for (int i = 0; i < 4; ++i) {
-            const auto &f = kFacets[i];
-            Facet facet{all.tets[t][f[0]], all.tets[t][f[1]], all.tets[t][f[2]]};
-            const bool above = ascend(facet);
-            const int k = find(facet);
-            if (k < 0)
-                continue;
-            missing[k] = 0;
-            const Vec3 &p = mesh_.points[points_[facet[0]]];
-            const Vec3 n = unit(cross(mesh_.points[points_[facet[1]]] - p, mesh_.points[points_[facet[2]]] - p));
-            const Vec3 d = mesh_.points[points_[all.tets[t][i]]] - balls_[k].center;
-            // Centers are balls_[k].center + x n; at this x the sphere meets the apex.
-            const double height = dot(n, d), power = dot(d, d) - balls_[k].radius * balls_[k].radius;
-            const double x = height != 0.0 ? 0.5 * power / height : std::copysign(kInfinity, above ? power : -power);
-            if (above)
-                limits[k][1] = x;
-            else
-                limits[k][0] = x;
-        }
+    each_pinned(all.tets, [&](std::size_t t, int i, int k, bool above) {
+        missing[k] = 0;
+        const Vec3 n = unit(normal_of(corners(k)));
+        const Vec3 d = mesh_.points[points_[all.tets[t][i]]] - balls_[k].center;
+        // Centers are balls_[k].center + x n; at this x the sphere meets the apex.
+        const double height = dot(n, d), power = dot(d, d) - balls_[k].radius * balls_[k].radius;
+        const double x = height != 0.0 ? 0.5 * power / height : std::copysign(kInfinity, above ? power : -power);
+        limits[k][above] = x;
+    });
     std::vector<Box> boxes(points_.size());
     for (std::size_t i = 0; i < points_.size(); ++i)
         boxes[i].add(mesh_.points[points_[i]]);
@@ -211,9 +212,7 @@ void PinnedFacets::protect(const Triangulation &all, std::vector<char> &missing)
             missing[k] = !(squares_ && empty(ball));
             continue;
         }
-        const auto &[a, b, c] = sides_[k].facet;
-        const Vec3 &p = mesh_.points[points_[a]];
-        const Vec3 n = unit(cross(mesh_.points[points_[b]] - p, mesh_.points[points_[c]] - p));
+        const Vec3 n = unit(normal_of(corners(k)));
         const double inset = std::min(0.5 * (hi - lo), room * ball.radius);
         const double x = std::clamp(0.0, lo + inset, hi - inset);
         ball = {ball.center + x * n, std::hypot(ball.radius, x)};
@@ -261,27 +260,17 @@ bool PinnedFacets::label(Complex &complex, std::span<const Vec3> at) const {
     recover(complex.all, at);
     const auto &tets = complex.all.tets;
     constexpr int kUnknown = -2;
-    const auto count = static_cast<int>(points_.size());
     complex.region.assign(tets.size(), kUnknown);
     std::vector<std::uint8_t> wall(tets.size(), 0); // bit i: facet i is pinned
     std::vector<char> seen(sides_.size(), 0);
     std::vector<int> queue;
-    for (std::size_t t = 0; t < tets.size(); ++t)
-        for (int i = 0; i < 4; ++i) {
-            const auto &f = kFacets[i];
-            Facet facet{tets[t][f[0]], tets[t][f[1]], tets[t][f[2]]};
-            if (std::max({facet[0], facet[1], facet[2]}) >= count)
-                continue;
-            const bool above = ascend(facet);
-            const int k = find(facet);
-            if (k < 0)
-                continue;
-            seen[k] = 1;
-            wall[t] |= static_cast<std::uint8_t>(1u << i);
-            if (complex.region[t] == kUnknown)
-                queue.push_back(static_cast<int>(t));
-            complex.region[t] = sides_[k].region[above];
-        }
+    each_pinned(tets, [&](std::size_t t, int i, int k, bool above) {
+        seen[k] = 1;
+        wall[t] |= static_cast<std::uint8_t>(1u << i);
+        if (complex.region[t] == kUnknown)
+            queue.push_back(static_cast<int>(t));
+        complex.region[t] = sides_[k].region[above];
+    });
     for (std::size_t k = 0; k < queue.size(); ++k)
         for (int i = 0; i < 4; ++i) {
             const int t = queue[k], next = complex.all.neighbours[t][i];

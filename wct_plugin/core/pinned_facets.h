@@ -56,6 +56,10 @@ class PinnedFacets {
     void protect(const Triangulation &all, std::vector<char> &missing);
     bool keep_behind(const std::vector<char> &missing);
     int find(const Facet &facet) const;
+    /// Of entry k of sides_.
+    std::array<Vec3, 3> corners(std::size_t k) const;
+    /// visit(tet, i, k, above) for each facet i of a tet that is entry k of sides_; above: its normal points inwards.
+    template <class Visit> void each_pinned(const std::vector<Tet> &tets, const Visit &visit) const;
 
     const InputMesh &mesh_;
     const std::vector<char> &pinned_;

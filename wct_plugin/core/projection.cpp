@@ -49,18 +49,6 @@ by_label(const std::vector<Vec3> &points, const std::vector<std::array<std::int3
     return out;
 }
 
-Vec3 normal_of(const std::array<Vec3, 3> &t) {
-    const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
-    const double length = norm(n);
-    return length > 0.0 ? (1.0 / length) * n : n;
-}
-
-Vec3 direction_of(const std::array<Vec3, 2> &s) {
-    const Vec3 d = s[1] - s[0];
-    const double length = norm(d);
-    return length > 0.0 ? (1.0 / length) * d : d;
-}
-
 template <class... Functions> struct Overload : Functions... {
     using Functions::operator()...;
 };
@@ -274,13 +262,13 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
     // The normal of the sum of all triangles, each turned to the side of the largest: small ones have poor normals.
     Vec3 largest;
     for (const auto &t : triangles) {
-        const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+        const Vec3 n = normal_of(t);
         if (dot(n, n) > dot(largest, largest))
             largest = n;
     }
     Vec3 sum;
     for (const auto &t : triangles) {
-        const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+        const Vec3 n = normal_of(t);
         if (dot(n, largest) < 0.0)
             sum -= n;
         else
@@ -347,12 +335,13 @@ Vec3 Domain::tangential(std::int32_t point, const Vec3 &x, const Vec3 &v) {
                           [&](const Line &line) { return dot(v, line.direction) * line.direction; },
                           [&](const BoundingTree<3> &tree) {
                               last = tree.closest(x, last).piece;
-                              const Vec3 n = normal_of(tree.pieces()[static_cast<std::size_t>(last)]);
+                              const Vec3 n = unit(normal_of(tree.pieces()[static_cast<std::size_t>(last)]));
                               return v - dot(v, n) * n;
                           },
                           [&](const BoundingTree<2> &tree) {
                               last = tree.closest(x, last).piece;
-                              const Vec3 d = direction_of(tree.pieces()[static_cast<std::size_t>(last)]);
+                              const auto &[a, b] = tree.pieces()[static_cast<std::size_t>(last)];
+                              const Vec3 d = unit(b - a);
                               return dot(v, d) * d;
                           },
                       },

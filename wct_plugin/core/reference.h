@@ -133,10 +133,6 @@ class Reference {
     std::vector<std::vector<int>> vertex_patches_;
 };
 
-inline Vec3 unit(const Vec3 &v) {
-    const double length = norm(v);
-    return length > 0.0 ? (1.0 / length) * v : Vec3{};
-}
 /// Some unit vector across a unit vector.
 Vec3 across(const Vec3 &n);
 

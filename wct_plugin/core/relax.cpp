@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <utility>
 
@@ -10,13 +9,10 @@ namespace wct {
 
 namespace {
 
-/// A patch both points belong to, -1 if there is none or, for two crease points, more than one.
-int common_patch(const Cloud &cloud, const Reference &reference, int v, int w) {
-    const std::vector<int> a = patches_of(cloud, reference, v);
-    const std::vector<int> b = patches_of(cloud, reference, w);
-    std::vector<int> both;
-    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-    return both.size() == 1 ? both.front() : -1;
+/// The patch both points belong to, -1 if there is none or, for two crease points, more than one.
+int common_patch(const Cloud &cloud, const Reference &reference, const Edge &edge) {
+    const std::vector<int> shared = shared_patches(cloud, reference, edge);
+    return shared.size() == 1 ? shared.front() : -1;
 }
 
 struct Mean {
@@ -123,7 +119,7 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
     std::sort(far.begin(), far.end());
     for (const auto &[length, edge] : far) {
         const auto &[v, w] = edge;
-        const int patch = common_patch(cloud, reference, v, w);
+        const int patch = common_patch(cloud, reference, edge);
         if (touched[v] || touched[w] || patch < 0)
             continue;
         Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);

@@ -1,5 +1,7 @@
 #include "restricted.h"
 
+#include "groups.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -32,14 +34,8 @@ double flatness(const std::vector<Vec3> &points, const std::array<int, 4> &tet) 
 }
 
 bool share_curved_patch(const Cloud &cloud, const Reference &reference, const std::array<int, 4> &tet) {
-    std::vector<int> common = patches_of(cloud, reference, tet[0]);
-    for (int k = 1; k < 4 && !common.empty(); ++k) {
-        const std::vector<int> other = patches_of(cloud, reference, tet[k]);
-        std::vector<int> both;
-        std::set_intersection(common.begin(), common.end(), other.begin(), other.end(), std::back_inserter(both));
-        common = std::move(both);
-    }
-    return std::any_of(common.begin(), common.end(), [&](int p) { return !reference.planar(p); });
+    const std::vector<int> shared = shared_patches(cloud, reference, tet);
+    return std::any_of(shared.begin(), shared.end(), [&](int p) { return !reference.planar(p); });
 }
 
 /// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
@@ -84,20 +80,6 @@ void peel(const Cloud &cloud, const Reference &reference, Complex &complex, std:
 std::array<int, 3> Complex::facet(int t, int i) const {
     const auto &tet = all.tets[t];
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
-}
-
-std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point) {
-    switch (cloud.role[point]) {
-    case Stratum::patch:
-        return {cloud.label[point]};
-    case Stratum::crease:
-        return reference.patches_at_curve(cloud.label[point]);
-    case Stratum::corner:
-        return reference.patches_at_vertex(cloud.label[point]);
-    case Stratum::interior:
-        break;
-    }
-    return {};
 }
 
 Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map) {
@@ -180,14 +162,7 @@ Flaws find_flaws(const Cloud &cloud, const Complex &complex) {
     std::sort(uses.begin(), uses.end(), [](const Use &a, const Use &b) {
         return std::tie(a.region, a.v, a.w, a.triangle) < std::tie(b.region, b.v, b.w, b.triangle);
     });
-    std::vector<int> root(3 * triangles.size());
-    for (std::size_t k = 0; k < root.size(); ++k)
-        root[k] = static_cast<int>(k);
-    const auto find = [&](int x) {
-        while (root[x] != x)
-            x = root[x] = root[root[x]];
-        return x;
-    };
+    Groups fans(3 * triangles.size()); // of the triangles' corners
     const auto corner = [&](int triangle, int v) {
         for (int k = 0; k < 3; ++k)
             if (triangles[triangle][k] == v)
@@ -204,15 +179,15 @@ Flaws find_flaws(const Cloud &cloud, const Complex &complex) {
             flaws.pinched.push_back(uses[k].w);
         } else {
             for (const int v : {uses[k].v, uses[k].w})
-                root[find(corner(uses[k].triangle, v))] = find(corner(uses[k + 1].triangle, v));
+                fans.join(corner(uses[k].triangle, v), corner(uses[k + 1].triangle, v));
         }
         k = end;
     }
-    std::map<std::pair<int, int>, int> fan; // (region, point) -> the root of its first fan
-    for (std::size_t k = 0; k < root.size(); ++k) {
-        const int v = triangles[k / 3][k % 3];
-        const auto [at, fresh] = fan.try_emplace({owner[k / 3], v}, find(static_cast<int>(k)));
-        if (!fresh && at->second != find(static_cast<int>(k)))
+    std::map<std::pair<int, int>, int> first; // (region, point) -> its first fan
+    for (std::size_t k = 0; k < 3 * triangles.size(); ++k) {
+        const int v = triangles[k / 3][k % 3], fan = fans.find(static_cast<int>(k));
+        const auto [at, fresh] = first.try_emplace({owner[k / 3], v}, fan);
+        if (!fresh && at->second != fan)
             flaws.pinched.push_back(v);
     }
     for (auto *list : {&flaws.exposed, &flaws.pinched}) {

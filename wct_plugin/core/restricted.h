@@ -43,7 +43,4 @@ Flaws find_flaws(const Cloud &cloud, const Complex &complex);
 /// Edges of the boundary and the interfaces, each once, ends ascending.
 std::vector<std::array<int, 2>> surface_edges(const Complex &complex);
 
-/// The patches a point of the cloud belongs to, ascending.
-std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point);
-
 } // namespace wct

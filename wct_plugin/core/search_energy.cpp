@@ -153,23 +153,28 @@ double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const
     return energy[0] + over(complex, tet);
 }
 
+TermLanes SearchEnergy::present_terms(const TetLanes &tets) {
+    TermLanes terms = flatness_terms(kDegenerate);
+    WorstLanes worst;
+    measure_worst(tets, false, worst);
+    for (int lane = 0; lane < kLanes; ++lane)
+        if (worst.flatness[lane] <= kDegenerate)
+            terms.flatness[lane] = 0.999 * worst.flatness[lane];
+    return terms;
+}
+
 void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) const {
     const std::vector<int> &tets = complex.star(v);
     star.count = static_cast<int>(tets.size());
     const std::size_t groups = (tets.size() + kLanes - 1) / kLanes;
     star.lanes.resize(groups);
-    star.terms.assign(groups, flatness_terms(kDegenerate));
+    star.terms.resize(groups);
     for (std::size_t g = 0; g < groups; ++g) {
         for (int lane = 0; lane < kLanes; ++lane) {
             const std::size_t k = g * kLanes + lane;
             load_star_tet(complex, complex.tet(tets[k < tets.size() ? k : g * kLanes]), v, star.lanes[g], lane);
         }
-        // A tet that came in flatter than allowed must not hold its vertices for ever: it may stay as flat as it is.
-        WorstLanes worst;
-        measure_worst(star.lanes[g], false, worst);
-        for (int lane = 0; lane < kLanes; ++lane)
-            if (worst.flatness[lane] <= kDegenerate)
-                star.terms[g].flatness[lane] = 0.999 * worst.flatness[lane];
+        star.terms[g] = present_terms(star.lanes[g]);
     }
 }
 

@@ -49,6 +49,9 @@ class SearchEnergy {
     /// The same for a tet that exists already: finite however flat it is, as long as it is not inverted.
     double of_present(const TetComplex &complex, const Tet &tet) const;
 
+    /// Terms for tets that exist already: one that came in flatter than allowed must not hold its vertices for ever, so
+    /// it may stay as flat as it is.
+    static TermLanes present_terms(const TetLanes &tets);
     void gather(const TetComplex &complex, int v, StarLanes &star) const;
     double over(const TetComplex &complex, const Tet &tet) const { return form_.over_weight * complex.over(tet); }
     /// Sum of the smooth part (no count) over the star with its vertex at x; gradient with respect to x.

@@ -134,8 +134,7 @@ void seed_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
     PointGrid grid;
     for (std::size_t i = 0; i < cloud.count(); ++i)
         grid.add(cloud.points[i], form.patch_spacing * cloud.size[i]);
-    if (form.front_spacing > 0.0)
-        grow_patches(cloud, reference, sizing, form, grid, random);
+    grow_patches(cloud, reference, sizing, form, grid, random);
     struct Dart {
         Vec3 point;
         double size;

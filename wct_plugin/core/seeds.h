@@ -9,13 +9,14 @@
 namespace wct {
 
 struct SeedForm {
-    double patch_spacing = 0.78; // least distance of patch points, in edge lengths
-    double front_spacing = 0.8;  // the same where a patch is filled by a growing pattern; 0: no pattern
-    double level_ratio = 1.3;    // of the lattice's cells from one level to the next
-    double edge_per_cell = 1.1;  // boundary edge per lattice cell
-    double least_depth = 0.52;   // of lattice points, in cells
-    double level_gap = 0.72;     // between points of different levels, in mean cells
-    double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
+    double edge_per_cell = 1.1; // boundary edge per lattice cell
+
+    static constexpr double patch_spacing = 0.78; // least distance of patch points, in edge lengths
+    static constexpr double front_spacing = 0.8;  // the same where a patch is filled by a growing pattern
+    static constexpr double level_ratio = 1.3;    // of the lattice's cells from one level to the next
+    static constexpr double least_depth = 0.52;   // of lattice points, in cells
+    static constexpr double level_gap = 0.72;     // between points of different levels, in mean cells
+    static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
 };
 
 /// Corners, evenly spaced points on curves, blue noise on patches, and inside a body-centered cubic lattice whose cell

@@ -135,8 +135,7 @@ void Sizing::make_input_sizes(std::span<const double> wanted) {
 void Sizing::limit_by_curvature() {
     const auto lower = [&](int vertex, double sag) {
         if (sag > 0.0)
-            surface[vertex] =
-                std::min(surface[vertex], std::max(form_.smallest, std::sqrt(form_.sag * form_.tolerance / sag)));
+            surface[vertex] = std::min(surface[vertex], std::sqrt(form_.sag * form_.tolerance / sag));
     };
     for (int w = 0; w < reference_.wedges(); ++w)
         lower(reference_.wedge_vertex(w), unit_sag(reference_.curvature(w)[0], reference_.curvature(w)[1]));
@@ -187,10 +186,8 @@ void Sizing::limit_by_thickness() {
         }
     }
     for (std::size_t v = 0; v < sum.size(); ++v)
-        if (weight[v] > 0.0) {
-            const double limit = std::max(form_.thickness * sum[v] / weight[v], 0.5 * form_.smallest);
-            limit_[v] = std::min(limit_[v], limit);
-        }
+        if (weight[v] > 0.0)
+            limit_[v] = std::min(limit_[v], form_.thickness * sum[v] / weight[v]);
 }
 
 void Sizing::grade() {

@@ -10,14 +10,15 @@ namespace wct {
 
 struct SizingForm {
     double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
-    double sag = 1.31;      // sag of a typical facet, as a multiple of the tolerance
     double thickness = 0.8; // size per local thickness
     double gap = 1.0;       // size per distance to the other side of a gap outside
-    double narrowest = 8.0; // gap that is told apart by sizes, in tolerances: in folds gaps go to nothing
-    double surface_grade = 0.15;
-    double inner_grade = 0.3;
-    double smallest = 0.0; // no size below this, whatever the curvature
-    double coarsen = 1.0;  // how far inside sizes may exceed the input's own
+    double coarsen = 1.0;   // how far inside sizes may exceed the input's own
+
+    static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
+    /// Gap that is told apart by sizes, in tolerances: in folds gaps go to nothing.
+    static constexpr double narrowest = 8.0;
+    static constexpr double surface_grade = 0.15; // growth of the size per distance, along the surface
+    static constexpr double inner_grade = 0.3;    // and inside
 };
 
 /// Ratio of the boundary's edge length to the cell of the BCC lattice that goes with it.

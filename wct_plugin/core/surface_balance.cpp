@@ -34,7 +34,7 @@ std::vector<double> SurfaceBalance::offsets() {
         if (guide_.planar(patch))
             continue;
         const std::array<Vec3, 3> corners = complex_.corners(key);
-        const double here = norm(cross(corners[1] - corners[0], corners[2] - corners[0]));
+        const double here = norm(normal_of(corners));
         sum[patch] += here * guide_.offset(patch, corners, complex_.hints(key));
         area[patch] += here;
     }

@@ -42,14 +42,6 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
     return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
 }
 
-Vec3 unit(const Vec3 &v) {
-    const double length = norm(v);
-    return length > 0.0 ? (1.0 / length) * v : Vec3{};
-}
-
-Vec3 normal_of(const std::array<Vec3, 3> &c) {
-    return cross(c[1] - c[0], c[2] - c[0]);
-}
 } // namespace
 
 SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {

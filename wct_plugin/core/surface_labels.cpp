@@ -9,13 +9,7 @@ namespace {
 
 /// The patch all three corners belong to; of several, or of none, the nearest to the facet's centroid.
 int patch_of(const Cloud &cloud, const Reference &reference, const Facet &facet) {
-    std::vector<int> shared = patches_of(cloud, reference, facet[0]);
-    for (int k = 1; k < 3; ++k) {
-        const std::vector<int> other = patches_of(cloud, reference, facet[k]);
-        std::vector<int> both;
-        std::set_intersection(shared.begin(), shared.end(), other.begin(), other.end(), std::back_inserter(both));
-        shared = std::move(both);
-    }
+    const std::vector<int> shared = shared_patches(cloud, reference, facet);
     if (shared.size() == 1)
         return shared[0];
     const Vec3 middle = (1.0 / 3.0) * (cloud.points[facet[0]] + cloud.points[facet[1]] + cloud.points[facet[2]]);

@@ -15,9 +15,6 @@ std::array<double, 9> coordinates(const std::array<Vec3, 3> &c) {
     return {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z};
 }
 
-Vec3 normal_of(const std::array<Vec3, 3> &c) {
-    return cross(c[1] - c[0], c[2] - c[0]);
-}
 } // namespace
 
 SurfaceWatch::Piece SurfaceWatch::piece(const Facet &key, int patch) const {

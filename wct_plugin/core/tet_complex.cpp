@@ -1,6 +1,7 @@
 #include "tet_complex.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace wct {
 
@@ -47,23 +48,28 @@ int TetComplex::across(int t, int a, int b, int c) const {
     return -1;
 }
 
-int TetComplex::patch_of(int a, int b, int c) const {
+const TetComplex::SurfaceFacet *TetComplex::surface_facet(int a, int b, int c) const {
     // Three surface vertices are rare inside, and the look-up is not free.
     if (vertices_[a].stratum == Stratum::interior || vertices_[b].stratum == Stratum::interior ||
         vertices_[c].stratum == Stratum::interior)
-        return -1;
+        return nullptr;
     const auto found = surface_.find(sorted(a, b, c));
-    return found == surface_.end() ? -1 : found->second.patch;
+    return found == surface_.end() ? nullptr : &found->second;
+}
+
+int TetComplex::patch_of(int a, int b, int c) const {
+    const SurfaceFacet *found = surface_facet(a, b, c);
+    return found ? found->patch : -1;
 }
 
 bool TetComplex::ruled_out(int t) const {
+    if (!any_ruled_out_)
+        return false;
     const Tet &tet = tets_[t];
-    for (const auto &facet : kFacets) {
-        const int a = tet[facet[0]], b = tet[facet[1]], c = tet[facet[2]];
-        if (patch_of(a, b, c) >= 0 && surface_.at(sorted(a, b, c)).ruled_out)
-            return true;
-    }
-    return false;
+    return std::any_of(std::begin(kFacets), std::end(kFacets), [&](const auto &facet) {
+        const SurfaceFacet *found = surface_facet(tet[facet[0]], tet[facet[1]], tet[facet[2]]);
+        return found && found->ruled_out;
+    });
 }
 
 void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const {

@@ -79,7 +79,10 @@ class TetComplex {
     const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
     void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
     /// Note that no tet on a surface facet, which must stay for ever, can meet the goal; whether t has such a facet.
-    void rule_out(const Facet &key) { surface_.at(key).ruled_out = true; }
+    void rule_out(const Facet &key) {
+        surface_.at(key).ruled_out = true;
+        any_ruled_out_ = true;
+    }
     bool ruled_out(int t) const;
     /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
     int first_landmark(const Facet &key) const { return surface_.at(key).landmark; }
@@ -143,6 +146,8 @@ class TetComplex {
     };
 
     void note(Entry entry);
+    /// The surface facet with these corners, nullptr where there is none.
+    const SurfaceFacet *surface_facet(int a, int b, int c) const;
     struct Landmark {
         Facet owner;
         int next, previous; // in the list of the owner's; -1 at its ends
@@ -163,6 +168,7 @@ class TetComplex {
     std::vector<std::uint8_t> alive_;
     std::vector<int> free_; // dead slots nobody can ask back
     std::unordered_map<Facet, SurfaceFacet, KeyHash> surface_;
+    bool any_ruled_out_ = false;
     std::vector<int> over_at_; // per vertex: its facets beyond the tolerance
     int over_count_ = 0;
     std::vector<Landmark> landmarks_;

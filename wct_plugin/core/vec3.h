@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 namespace wct {
@@ -42,6 +43,14 @@ inline double norm(const Vec3 &a) {
 }
 inline Vec3 cross(const Vec3 &a, const Vec3 &b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vec3 unit(const Vec3 &v) {
+    const double length = norm(v);
+    return length > 0.0 ? (1.0 / length) * v : Vec3{};
+}
+/// Across a triangle, towards where it winds counterclockwise; twice its area long.
+inline Vec3 normal_of(const std::array<Vec3, 3> &corners) {
+    return cross(corners[1] - corners[0], corners[2] - corners[0]);
 }
 
 } // namespace wct
