@@ -64,7 +64,7 @@ void Reference::make_wedges() {
     std::set<std::array<int, 2>> creases;
     for (const auto &[v, w] : data_.segments)
         creases.insert(sorted(v, w));
-    Groups fans(3 * data_.triangles.size()); // of corners
+    Groups fans(3 * data_.triangles.size());                                // of corners
     std::map<std::pair<std::array<int, 2>, int>, std::array<int, 2>> known; // edge, patch -> a triangle's corners there
     for (std::size_t t = 0; t < data_.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {

@@ -39,8 +39,8 @@ int curve_of(const Cloud &cloud, const Reference &reference, const Edge &edge) {
     return best;
 }
 
-/// Edges along curves that have one patch on both sides, as a crease has that fades out on a smooth surface: no change of
-/// patch tells of them.
+/// Edges along curves that have one patch on both sides, as a crease has that fades out on a smooth surface: no change
+/// of patch tells of them.
 std::map<Edge, int> slits(const Cloud &cloud, const Reference &reference) {
     std::map<Edge, int> edges;
     const auto chains = curve_chains(cloud, reference);
