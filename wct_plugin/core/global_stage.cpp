@@ -156,7 +156,7 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
     return lost;
 }
 
-/// Shrink sizes at points where sheets touched each other.
+/// Shrink sizes at points where facets are too large: sheets touched each other, or facets cut across.
 void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference &reference, Sizing &sizing) {
     constexpr double share = 0.6;
     for (const int i : touched) {
@@ -169,19 +169,29 @@ void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference
     sizing.grade();
 }
 
-/// Whether no facet cuts across from one planar patch to another: nothing brings such a facet back, as planes are kept
-/// by keeping their vertices in them.
-bool on_planes(const Cloud &cloud, const Complex &complex, const Reference &reference) {
+/// Corners of facets that cut across from one planar patch to another, beyond the tolerance: nothing brings such a
+/// facet back, as planes are kept by keeping their vertices in them.
+std::vector<int> across_planes(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                               double tolerance) {
+    const auto off = [&](const std::array<int, 3> &facet) {
+        const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
+        for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
+            if (reference.nearest(p).distance > tolerance)
+                return true;
+        return false;
+    };
+    std::vector<int> corners;
     for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_surface(t, i))
                 continue;
             const auto facet = complex.facet(t, i);
             if (shared_patches(cloud, reference, facet).empty() &&
-                std::all_of(facet.begin(), facet.end(), [&](int v) { return !on_curved(cloud, reference, v); }))
-                return false;
+                std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
+                off(facet))
+                corners.insert(corners.end(), facet.begin(), facet.end());
         }
-    return true;
+    return corners;
 }
 
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
@@ -319,13 +329,14 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     }
     lap("trials");
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
+    const double tolerance = form.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const Complex &complex, const Flaws &flaws) {
-        return lost_points(cloud, flaws).empty() && on_planes(cloud, complex, reference) &&
+        return lost_points(cloud, flaws).empty() && across_planes(cloud, complex, reference, tolerance).empty() &&
                euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
-    const double shell = form.shell * form.sizing.tolerance;
-    const FitForm fit{form.fit_target * form.sizing.tolerance, form.fit_weight, form.fit_pull, shell};
+    const double shell = form.shell * tolerance;
+    const FitForm fit{form.fit_target * tolerance, form.fit_weight, form.fit_pull, shell};
     const auto run = [&] {
         Start best;
         Cloud cloud = start(form.sweeps);
@@ -341,7 +352,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             keep_upright(cloud, complex, unfitted);
             const Tally tally = count_bad(cloud, complex, form.cosines);
             const bool sound = represents(cloud, complex, flaws);
-            const std::size_t off = count_off(cloud, ties, form.held * form.sizing.tolerance);
+            const std::size_t off = count_off(cloud, ties, form.held * tolerance);
             if (round == 0 || std::pair(!sound, tally.bad + off) < std::pair(!best.intact, best.tally.bad + best.off)) {
                 best = {cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
                 since = 0;
@@ -364,6 +375,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     };
     Start best = run();
     for (int attempt = 0; attempt < form.attempts && !best.intact && !monitor.stopped(); ++attempt) {
+        const std::vector<int> cut = across_planes(best.cloud, best.complex, reference, tolerance);
+        best.touched.insert(best.touched.end(), cut.begin(), cut.end());
         refine(best.cloud, best.touched, reference, sizing);
         Start next = run();
         if (next.intact || next.tally.bad + next.off < best.tally.bad + best.off)
