@@ -135,9 +135,10 @@ def test_tags_survive_on_a_finer_reference():
     mesh = replace(mesh, facets=Cells(triangles, np.select([height < 1e-9, height > 2 - 1e-9], [1, 2], 3)))
     better, _ = run(mesh, reference=surface, tolerance=1e-2, goal="3wc")
     check_domain(mesh, better)
-    for tag, wanted in ((1, np.pi), (2, np.pi), (3, 4.0 * np.pi)):
+    apart = 1e-2 * surface.diagonal  # what the rim of a disk, of radius 1, may be off everywhere
+    for tag, wanted, off in ((1, np.pi, 2 * np.pi * apart), (2, np.pi, 2 * np.pi * apart), (3, 4 * np.pi, 0.2)):
         found = better.facets.vertices[better.facets.tags == tag]
-        assert area(better.points, found) == pytest.approx(wanted, rel=0.02)
+        assert area(better.points, found) == pytest.approx(wanted, abs=off)
     assert len(better.facets) == len(better.topology.boundary)
     assert deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
 

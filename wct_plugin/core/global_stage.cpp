@@ -61,6 +61,17 @@ void learn(const Deviation &deviation, Sizing &sizing, std::vector<double> &corr
     sizing.grade();
 }
 
+/// Shrink sizes where facets are off the tolerance, or nearly: the local search mends few of them, and slowly.
+void shrink(const Deviation &deviation, Sizing &sizing, const GlobalForm &form) {
+    const double tolerance = form.sizing.tolerance;
+    for (std::size_t v = 0; v < sizing.surface.size(); ++v) {
+        const double far = std::max({deviation.above[v], -deviation.below[v], deviation.missed[v]});
+        if (far > form.held * tolerance)
+            sizing.surface[v] *= std::max(std::sqrt(form.target * tolerance / far), 0.7);
+    }
+    sizing.grade();
+}
+
 /// Drop crease points that crowd another of their curve, or its end, and patch points that crowd a crease: the descent
 /// may push them together where a curve cannot be recovered. True if any did.
 bool thin_creases(Cloud &cloud, const Reference &reference) {
@@ -145,7 +156,7 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
     return lost;
 }
 
-/// Shrink sizes at points where sheets touched each other.
+/// Shrink sizes at points where facets are too large: sheets touched each other, or facets cut across.
 void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference &reference, Sizing &sizing) {
     constexpr double share = 0.6;
     for (const int i : touched) {
@@ -158,19 +169,29 @@ void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference
     sizing.grade();
 }
 
-/// Whether no facet cuts across from one planar patch to another: nothing brings such a facet back, as planes are kept
-/// by keeping their vertices in them.
-bool on_planes(const Cloud &cloud, const Complex &complex, const Reference &reference) {
+/// Corners of facets that cut across from one planar patch to another, beyond the tolerance: nothing brings such a
+/// facet back, as planes are kept by keeping their vertices in them.
+std::vector<int> across_planes(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                               double tolerance) {
+    const auto off = [&](const std::array<int, 3> &facet) {
+        const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
+        for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
+            if (reference.nearest(p).distance > tolerance)
+                return true;
+        return false;
+    };
+    std::vector<int> corners;
     for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_surface(t, i))
                 continue;
             const auto facet = complex.facet(t, i);
             if (shared_patches(cloud, reference, facet).empty() &&
-                std::all_of(facet.begin(), facet.end(), [&](int v) { return !on_curved(cloud, reference, v); }))
-                return false;
+                std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
+                off(facet))
+                corners.insert(corners.end(), facet.begin(), facet.end());
         }
-    return true;
+    return corners;
 }
 
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
@@ -243,6 +264,25 @@ Flaws represent(Cloud &cloud, const Reference &reference, const RegionMap &map, 
     return mend_pinches(cloud, reference, complex, std::move(flaws));
 }
 
+std::size_t surface_facets(const Complex &complex) {
+    std::size_t count = 0;
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            count += complex.on_surface(t, i);
+    return count;
+}
+
+/// A mesh the local search may start from.
+struct Start {
+    Cloud cloud;
+    Complex complex;
+    Flaws flaws;
+    std::vector<int> touched; // points where sheets touched on the way
+    Tally tally;
+    std::size_t off = 0; // facets
+    bool intact = false;
+};
+
 } // namespace
 
 GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
@@ -289,46 +329,39 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     }
     lap("trials");
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
+    const double tolerance = form.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const Complex &complex, const Flaws &flaws) {
-        return lost_points(cloud, flaws).empty() && on_planes(cloud, complex, reference) &&
+        return lost_points(cloud, flaws).empty() && across_planes(cloud, complex, reference, tolerance).empty() &&
                euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
-    const double shell = form.shell * form.sizing.tolerance;
-    const FitForm fit{form.fit_target * form.sizing.tolerance, form.fit_weight, form.fit_pull, shell};
-    bool first = true;
-    std::size_t least_off = 0;
-    bool intact = false;
-    for (int attempt = 0; attempt <= form.attempts && !intact && !monitor.stopped(); ++attempt) {
+    const double shell = form.shell * tolerance;
+    const FitForm fit{form.fit_target * tolerance, form.fit_weight, form.fit_pull, shell};
+    const auto run = [&] {
+        Start best;
         Cloud cloud = start(form.sweeps);
         lap("relax");
         Complex complex;
         std::vector<int> touched;
         int since = 0;
         for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
-            const Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched);
+            Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched);
             const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
             const std::vector<Vec3> unfitted = cloud.points;
             fit_heights(cloud, reference, ties, direction, fit);
             keep_upright(cloud, complex, unfitted);
             const Tally tally = count_bad(cloud, complex, form.cosines);
             const bool sound = represents(cloud, complex, flaws);
-            const std::size_t off = count_off(cloud, ties, form.held * form.sizing.tolerance);
-            if (first || std::pair(!sound, tally.bad + off) < std::pair(!intact, result.tally.bad + least_off)) {
-                least_off = off;
-                intact = sound;
-                result.cloud = cloud;
-                result.complex = complex;
-                result.flaws = flaws;
-                result.tally = tally;
-                first = false;
+            const std::size_t off = count_off(cloud, ties, form.held * tolerance);
+            if (round == 0 || std::pair(!sound, tally.bad + off) < std::pair(!best.intact, best.tally.bad + best.off)) {
+                best = {cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
                 since = 0;
             } else if (++since > 5) {
                 break;
             }
             if (round == form.rounds || tally.bad == 0)
                 break;
-            monitor.set_bad(static_cast<std::int64_t>(result.tally.bad));
+            monitor.set_bad(static_cast<std::int64_t>(best.tally.bad));
             EnergyForm energy = form.energy;
             if (!form.cosines)
                 energy.weight2 = 0.0;
@@ -338,13 +371,32 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             monitor.work(evaluations, static_cast<double>(round) / form.rounds);
         }
         lap("descent");
-        if (!intact)
-            refine(cloud, touched, reference, sizing);
+        return best;
+    };
+    Start best = run();
+    for (int attempt = 0; attempt < form.attempts && !best.intact && !monitor.stopped(); ++attempt) {
+        const std::vector<int> cut = across_planes(best.cloud, best.complex, reference, tolerance);
+        best.touched.insert(best.touched.end(), cut.begin(), cut.end());
+        refine(best.cloud, best.touched, reference, sizing);
+        Start next = run();
+        if (next.intact || next.tally.bad + next.off < best.tally.bad + best.off)
+            best = std::move(next);
     }
-    result.stats.emplace_back("off", static_cast<double>(least_off));
+    const double few = form.few_off * static_cast<double>(surface_facets(best.complex));
+    if (best.intact && static_cast<double>(best.off) > few && !monitor.stopped()) {
+        shrink(measure_deviation(best.cloud, best.complex, reference), sizing, form);
+        Start next = run();
+        if (next.intact && next.off < best.off)
+            best = std::move(next);
+    }
+    result.stats.emplace_back("off", static_cast<double>(best.off));
+    result.cloud = std::move(best.cloud);
+    result.complex = std::move(best.complex);
+    result.flaws = std::move(best.flaws);
+    result.tally = best.tally;
+    result.intact = best.intact;
     result.deviation = measure_deviation(result.cloud, result.complex, reference);
     lap("deviation");
-    result.intact = intact;
     result.stopped = monitor.stopped();
     return result;
 }

@@ -35,13 +35,15 @@ struct GlobalForm {
     static constexpr int rounds = 20;     // of descent
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes
-    /// More where the domain was not met, with smaller sizes where its sheets touched each other.
-    static constexpr int attempts = 1;
+    /// More where the domain was not met, with smaller sizes where its sheets touched each other or were cut across.
+    static constexpr int attempts = 2;
     static constexpr int trials = 1; // of the deviation, before the real run
     static constexpr int trial_sweeps = 8;
     static constexpr double target = 0.72; // of the tolerance, for the mean facet
     /// Share of the tolerance beyond which a facet counts as off, as in the local search.
     static constexpr double held = 0.86;
+    /// Share of the facets that may be off before sizes shrink and everything starts once more.
+    static constexpr double few_off = 0.01;
     static constexpr double fit_target = 0.7; // share that costs nothing: between samples facets are farther off
     /// Against the tets' energies; ten times that doubles the bad tets and gains little.
     static constexpr double fit_weight = 0.1;
@@ -55,7 +57,7 @@ struct GlobalResult {
     Flaws flaws;
     Tally tally;
     Deviation deviation;
-    bool intact = false; // no flaws but at corners, no facet across planes, and the domain's Euler characteristics
+    bool intact = false; // no flaws but at corners, no facet far across planes, and the domain's Euler characteristics
     bool stopped = false;
     std::vector<std::pair<std::string, double>> stats;
 };

@@ -4,6 +4,7 @@
 #include "surface_watch.h"
 #include "tet_complex.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -36,6 +37,12 @@ class Operators {
     std::optional<int> split(int a, int b, double slack);
     /// A new vertex at x in the cavity of tets round t0 whose circumspheres contain x; never across a surface facet.
     std::optional<int> insert(int t0, const Vec3 &x, double slack);
+    /// A new vertex of the patch near x in the cavity of the surface facets round `at`, and of tets behind them, whose
+    /// circumspheres contain it: its facets are those of a Delaunay triangulation, as a split edge's are not.
+    std::optional<int> insert_on_surface(const Facet &at, const Vec3 &near, double slack);
+
+    /// The landmark farthest from a facet that is beyond the tolerance of it: a vertex there covers it best.
+    std::optional<Vec3> uncovered(const Facet &key) const;
 
     bool ring(int a, int b, Ring &ring) const;
     std::vector<int> touched;
@@ -61,8 +68,14 @@ class Operators {
     bool flips_surface(int a, int b, int r, int s, int patch);
     /// Measures the candidates; whether they can be and cost less than `limit` together.
     bool candidates_below(double limit);
-    std::optional<Vec3> uncovered_beside(int a, int b, const std::vector<int> &apices) const;
     bool collapse_links(int a, int b, const Ring &ring) const;
+    bool in_circumsphere(int t, const Vec3 &x) const;
+    bool in_cavity(int t) const { return std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end(); }
+    /// Take neighbours in, though none across a surface facet; false if there are too many.
+    bool grow_cavity(const Vec3 &x);
+    /// Candidates from v to every facet of the cavity's wall but the `open` ones of the surface.
+    bool cone_cavity(int v, const std::vector<Facet> &open, double slack);
+    void fill_cavity();
 
     TetComplex &complex_;
     const SearchEnergy &energy_;
@@ -74,6 +87,7 @@ class Operators {
     std::vector<double> energies_;
     std::vector<int> regions_;
     std::vector<int> pairs_;
+    std::vector<int> cavity_;
 };
 
 } // namespace wct

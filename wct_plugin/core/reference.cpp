@@ -1,8 +1,12 @@
 #include "reference.h"
 
+#include "groups.h"
+
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace wct {
@@ -54,14 +58,34 @@ Reference::Reference(SurfaceData data) : data_(std::move(data)) {
 }
 
 void Reference::make_wedges() {
-    std::map<std::pair<int, int>, int> known;
+    // Triangles round a vertex are of one wedge if they are joined across edges of their patch: a crease that fades out
+    // on a patch has the patch on both of its sides, and two wedges per vertex.
+    const auto sorted = [](int v, int w) { return std::array{std::min(v, w), std::max(v, w)}; };
+    std::set<std::array<int, 2>> creases;
+    for (const auto &[v, w] : data_.segments)
+        creases.insert(sorted(v, w));
+    Groups fans(3 * data_.triangles.size());                                // of corners
+    std::map<std::pair<std::array<int, 2>, int>, std::array<int, 2>> known; // edge, patch -> a triangle's corners there
+    for (std::size_t t = 0; t < data_.triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const int v = data_.triangles[t][k], w = data_.triangles[t][(k + 1) % 3];
+            std::array<int, 2> own{static_cast<int>(3 * t) + k, static_cast<int>(3 * t) + (k + 1) % 3};
+            if (v > w)
+                std::swap(own[0], own[1]);
+            if (creases.contains(sorted(v, w)))
+                continue;
+            const auto [at, fresh] = known.try_emplace({sorted(v, w), data_.patch[t]}, own);
+            for (int end = 0; !fresh && end < 2; ++end)
+                fans.join(own[end], at->second[end]);
+        }
+    std::map<int, int> wedges; // root of a fan -> wedge
     for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
         std::array<int, 3> own;
         for (int k = 0; k < 3; ++k) {
-            const int v = data_.triangles[t][k];
-            const auto [at, fresh] = known.try_emplace({v, data_.patch[t]}, static_cast<int>(wedge_vertex_.size()));
+            const auto [at, fresh] =
+                wedges.try_emplace(fans.find(static_cast<int>(3 * t) + k), static_cast<int>(wedge_vertex_.size()));
             if (fresh)
-                wedge_vertex_.push_back(v);
+                wedge_vertex_.push_back(data_.triangles[t][k]);
             own[k] = at->second;
         }
         wedges_.push_back(own);

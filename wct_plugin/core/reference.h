@@ -53,7 +53,7 @@ struct Curve {
 
 /// Patches, curves and corners with what is needed to measure them and to stay on them.
 ///
-/// A *wedge* is a vertex as one patch sees it: it has the normal and the curvatures of that patch.
+/// A *wedge* is a vertex as one patch sees it, between creases: it has the normal and the curvatures there.
 class Reference {
   public:
     explicit Reference(SurfaceData data);

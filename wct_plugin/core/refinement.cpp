@@ -1,4 +1,4 @@
-// Adding a vertex: on an edge, or in the middle of a cavity.
+// Adding a vertex on an edge.
 
 #include "operators.h"
 
@@ -6,22 +6,18 @@
 
 namespace wct {
 
-/// The landmark farthest from the facets at edge ab that are beyond the tolerance: a vertex there covers it best.
-std::optional<Vec3> Operators::uncovered_beside(int a, int b, const std::vector<int> &apices) const {
+std::optional<Vec3> Operators::uncovered(const Facet &key) const {
+    if (complex_.over(key) <= 0.0)
+        return std::nullopt;
     std::optional<Vec3> worst;
     double farthest = guide_.tolerance();
-    for (int apex : apices) {
-        const Facet key = sorted(a, b, apex);
-        if (complex_.over(key) <= 0.0)
-            continue;
-        const std::array<Vec3, 3> corners = complex_.corners(key);
-        for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
-            const Vec3 &point = guide_.landmarks()[l].point;
-            const double distance = norm(point - closest_on(corners, point));
-            if (distance > farthest) {
-                farthest = distance;
-                worst = point;
-            }
+    const std::array<Vec3, 3> corners = complex_.corners(key);
+    for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
+        const Vec3 &point = guide_.landmarks()[l].point;
+        const double distance = norm(point - closest_on(corners, point));
+        if (distance > farthest) {
+            farthest = distance;
+            worst = point;
         }
     }
     return worst;
@@ -54,8 +50,9 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         middle.label = facet_patches[0];
     }
     if (middle.stratum == Stratum::patch)
-        if (const auto peak = uncovered_beside(a, b, facet_apices))
-            middle.position = *peak;
+        for (int apex : facet_apices)
+            if (const auto peak = uncovered(sorted(a, b, apex)))
+                middle.position = *peak;
     if (!guide_.admit(middle, middle.position))
         return std::nullopt;
     const int v = complex_.add_vertex(middle);
@@ -96,85 +93,6 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     touch(b);
     for (int w : ring_.link)
         touch(w);
-    return v;
-}
-
-std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
-    constexpr std::size_t largest = 60;
-    const auto in_circumsphere = [&](int t) {
-        const Tet &tet = complex_.tet(t);
-        const Vec3 &o = complex_.point(tet[0]);
-        const Vec3 u = complex_.point(tet[1]) - o, v = complex_.point(tet[2]) - o, w = complex_.point(tet[3]) - o;
-        const Vec3 a = cross(v, w), b = cross(w, u), c = cross(u, v);
-        const double det = dot(u, a);
-        if (det <= 0.0)
-            return false;
-        const Vec3 r = (0.5 / det) * (dot(u, u) * a + dot(v, v) * b + dot(w, w) * c);
-        const Vec3 d = x - o - r;
-        return dot(d, d) < dot(r, r);
-    };
-    std::vector<int> cavity{t0};
-    struct Wall {
-        Tet tet; // with the new vertex in place of a corner
-    };
-    const auto in_cavity = [&](int t) { return std::find(cavity.begin(), cavity.end(), t) != cavity.end(); };
-    const auto across = [&](const Tet &tet, int t, int i) {
-        const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
-        return complex_.patch_of(p, q, r) >= 0 ? -1 : complex_.across(t, p, q, r);
-    };
-    for (std::size_t k = 0; k < cavity.size(); ++k) {
-        const int t = cavity[k];
-        const Tet tet = complex_.tet(t);
-        for (int i = 0; i < 4; ++i) {
-            const int s = across(tet, t, i);
-            if (s < 0 || in_cavity(s) || !in_circumsphere(s))
-                continue;
-            cavity.push_back(s);
-            if (cavity.size() > largest)
-                return std::nullopt;
-        }
-    }
-    Vertex vertex;
-    vertex.position = x;
-    for (int v : complex_.tet(t0))
-        vertex.size += 0.25 * complex_.vertex(v).size;
-    const int region = complex_.region(t0);
-    const int v = complex_.add_vertex(vertex);
-    candidates_.clear();
-    double before = 0.0;
-    std::vector<int> inside;
-    std::vector<int> wall;
-    for (int t : cavity) {
-        before += complex_.energy(t);
-        const Tet tet = complex_.tet(t);
-        inside.insert(inside.end(), tet.begin(), tet.end());
-        for (int i = 0; i < 4; ++i) {
-            const int s = across(tet, t, i);
-            if (s >= 0 && in_cavity(s))
-                continue;
-            Tet coned = tet;
-            coned[i] = v;
-            candidates_.push_back(coned);
-            for (int k = 0; k < 3; ++k) {
-                const int w = tet[kFacets[i][k]];
-                wall.push_back(w);
-                if (norm(complex_.point(w) - x) < shortest * vertex.size)
-                    return std::nullopt;
-            }
-        }
-    }
-    for (int w : inside)
-        if (std::find(wall.begin(), wall.end(), w) == wall.end())
-            return std::nullopt; // w would be left without a tet
-    if (!candidates_below(before + slack))
-        return std::nullopt;
-    for (int t : cavity)
-        complex_.remove_tet(t);
-    for (std::size_t k = 0; k < candidates_.size(); ++k)
-        complex_.add_tet(candidates_[k], region, energies_[k]);
-    for (const Tet &tet : candidates_)
-        for (int w : tet)
-            touch(w);
     return v;
 }
 

@@ -1,5 +1,7 @@
 #include "relax.h"
 
+#include "curve_chains.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -138,41 +140,13 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
 }
 
 int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex) {
-    struct Stop {
-        double at; // along the curve, in steps of its chain
-        int point;
-    };
-    std::vector<std::vector<Stop>> stops(reference.curves().size());
-    std::map<int, int> corner; // vertex of the reference -> point
-    for (std::size_t i = 0; i < cloud.count(); ++i) {
-        if (cloud.role[i] == Stratum::corner)
-            corner[cloud.label[i]] = static_cast<int>(i);
-        if (cloud.role[i] != Stratum::crease)
-            continue;
-        const CurveFoot foot = reference.nearest_on_curve(cloud.points[i], cloud.label[i], true);
-        stops[cloud.label[i]].push_back({foot.step + foot.along, static_cast<int>(i)});
-    }
+    const auto chains = curve_chains(cloud, reference);
     const auto edges = surface_edges(complex);
     PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
     int added = 0;
-    for (std::size_t c = 0; c < stops.size(); ++c) {
+    for (std::size_t c = 0; c < chains.size(); ++c) {
         const Curve &curve = reference.curves()[c];
-        if (curve.vertices.size() < 2)
-            continue;
-        auto &chain = stops[c];
-        std::sort(chain.begin(), chain.end(), [](const Stop &a, const Stop &b) { return a.at < b.at; });
-        const auto steps = static_cast<double>(curve.steps());
-        const auto end_stop = [&](int vertex, double at) {
-            const auto found = corner.find(vertex);
-            return found == corner.end() ? std::vector<Stop>{} : std::vector<Stop>{{at, found->second}};
-        };
-        if (curve.closed && !chain.empty()) {
-            chain.push_back({chain.front().at + steps, chain.front().point});
-        } else if (!curve.closed) {
-            const auto first = end_stop(curve.vertices.front(), 0.0), last = end_stop(curve.vertices.back(), steps);
-            chain.insert(chain.begin(), first.begin(), first.end());
-            chain.insert(chain.end(), last.begin(), last.end());
-        }
+        const auto &chain = chains[c];
         for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
             const int v = chain[k].point, w = chain[k + 1].point;
             if (v == w || std::binary_search(edges.begin(), edges.end(), std::array{std::min(v, w), std::max(v, w)}))

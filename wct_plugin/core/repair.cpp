@@ -70,12 +70,45 @@ bool Repair::random_operator(int t, double slack) {
     case 5:
     case 6:
         return operators_.split(a, b, slack).has_value();
-    default: {
-        const Vec3 middle =
-            0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
-        return operators_.insert(t, middle, slack).has_value();
+    default:
+        return random_.coin() ? insert_on_facet(t, slack) : insert_inside(t, false, slack);
     }
+}
+
+bool Repair::insert_inside(int t, bool anywhere, double slack) {
+    const Tet tet = complex_.tet(t);
+    double w[4] = {1, 1, 1, 1};
+    double sum = 4.0;
+    if (anywhere) {
+        sum = 0.0;
+        for (double &x : w)
+            sum += x = 0.3 + random_.uniform();
     }
+    Vec3 x;
+    for (int i = 0; i < 4; ++i)
+        x += (w[i] / sum) * complex_.point(tet[i]);
+    return operators_.insert(t, x, slack).has_value();
+}
+
+bool Repair::insert_on_facet(int t, double slack) {
+    const Tet tet = complex_.tet(t);
+    std::optional<Facet> chosen;
+    int seen = 0;
+    for (const auto &[p, q, r] : kFacets)
+        if (complex_.patch_of(tet[p], tet[q], tet[r]) >= 0 && random_.below(++seen) == 0)
+            chosen = Facet{tet[p], tet[q], tet[r]};
+    if (!chosen)
+        return false;
+    if (const auto peak = operators_.uncovered(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2])))
+        return operators_.insert_on_surface(*chosen, *peak, slack).has_value();
+    Vec3 x;
+    double sum = 0.0;
+    for (int v : *chosen) {
+        const double weight = 0.3 + random_.uniform();
+        x += weight * complex_.point(v);
+        sum += weight;
+    }
+    return operators_.insert_on_surface(*chosen, (1.0 / sum) * x, slack).has_value();
 }
 
 bool Repair::chain(int t) {
@@ -117,19 +150,8 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
     }
     case splits:
         return operators_.split(tet[kEdges[variant][0]], tet[kEdges[variant][1]], 2 * slack).has_value();
-    case inserts: {
-        double w[4] = {1, 1, 1, 1};
-        double sum = 4.0;
-        if (variant > 0) {
-            sum = 0.0;
-            for (double &x : w)
-                sum += x = 0.3 + random_.uniform();
-        }
-        Vec3 x;
-        for (int i = 0; i < 4; ++i)
-            x += (w[i] / sum) * complex_.point(tet[i]);
-        return operators_.insert(t, x, 2 * slack).has_value();
-    }
+    case inserts:
+        return variant < 2 ? insert_inside(t, variant > 0, 2 * slack) : insert_on_facet(t, 2 * slack);
     case nudges: {
         bool any = false;
         for (int v : tet) {
@@ -151,7 +173,7 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
 
 void Repair::improve(const Recipe &recipe, int t) {
     static constexpr std::pair<unsigned, int> variants[] = {{edges, 6},   {facets, 4}, {collapses, 12}, {splits, 6},
-                                                            {inserts, 2}, {nudges, 2}, {chains, 12}};
+                                                            {inserts, 4}, {nudges, 2}, {chains, 12}};
     tries_.clear();
     for (const auto &[kind, count] : variants)
         for (int k = 0; k < count && (recipe.operators & kind); ++k)

@@ -49,6 +49,8 @@ class Repair {
   private:
     bool attempt(unsigned kind, int variant, int t, double slack);
     bool chain(int t);
+    bool insert_inside(int t, bool anywhere, double slack);
+    bool insert_on_facet(int t, double slack);
     void relax_touched(const Recipe &recipe);
     void improve(const Recipe &recipe, int t);
     bool changed_since(int t, int when) const;

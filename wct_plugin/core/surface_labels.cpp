@@ -1,5 +1,7 @@
 #include "surface_labels.h"
 
+#include "curve_chains.h"
+
 #include <algorithm>
 #include <map>
 
@@ -37,6 +39,20 @@ int curve_of(const Cloud &cloud, const Reference &reference, const Edge &edge) {
     return best;
 }
 
+/// Edges along curves that have one patch on both sides, as a crease has that fades out on a smooth surface: no change
+/// of patch tells of them.
+std::map<Edge, int> slits(const Cloud &cloud, const Reference &reference) {
+    std::map<Edge, int> edges;
+    const auto chains = curve_chains(cloud, reference);
+    for (int c = 0; c < static_cast<int>(chains.size()); ++c)
+        if (reference.patches_at_curve(c).size() == 1)
+            for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
+                const int a = chains[c][k].point, b = chains[c][k + 1].point;
+                edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, c);
+            }
+    return edges;
+}
+
 } // namespace
 
 SurfaceLabels label_surface(const Cloud &cloud, const Complex &complex, const Reference &reference) {
@@ -61,7 +77,13 @@ SurfaceLabels label_surface(const Cloud &cloud, const Complex &complex, const Re
                 seen.crease |= seen.first != patch || ++seen.facets > 2;
             }
         }
+    const std::map<Edge, int> slit = slits(cloud, reference);
     for (const auto &[edge, seen] : edges) {
+        if (const auto found = slit.find(edge); found != slit.end()) {
+            out.creases.push_back(edge);
+            out.curve.push_back(found->second);
+            continue;
+        }
         if (!seen.crease || cloud.role[edge[0]] < Stratum::crease || cloud.role[edge[1]] < Stratum::crease)
             continue;
         const int curve = curve_of(cloud, reference, edge);

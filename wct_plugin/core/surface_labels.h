@@ -11,7 +11,7 @@ namespace wct {
 struct SurfaceLabels {
     std::vector<Facet> facets; // outward, or out of the region with the smaller number
     std::vector<int> patch;
-    std::vector<Edge> creases; // edges between facets of different patches, ends ascending
+    std::vector<Edge> creases; // edges between facets of different patches or along a slit in one, ends ascending
     std::vector<int> curve;
 };
 
