@@ -132,27 +132,33 @@ void PointGrid::add(const Vec3 &p, double radius) {
     while (at != levels_.end() && at->cell < cell)
         ++at;
     if (at == levels_.end() || at->cell != cell)
-        at = levels_.insert(at, Level{cell, {}});
+        at = levels_.insert(at, Level{cell, {}, {}});
     at->cells[key(cell_of(p.x, cell), cell_of(p.y, cell), cell_of(p.z, cell))].push_back({p, radius});
+    at->items.push_back({p, radius});
 }
 
 bool PointGrid::crowded(const Vec3 &p, double radius) const {
+    const auto hit = [&](const Item &item) {
+        const Vec3 d = item.point - p;
+        const double limit = 0.5 * (radius + item.radius);
+        return dot(d, d) < limit * limit;
+    };
     for (const Level &level : levels_) {
         const double reach = 0.5 * (radius + level.cell); // no radius on this level exceeds its cell
         const auto lo = [&](double x) { return cell_of(x - reach, level.cell); };
         const auto hi = [&](double x) { return cell_of(x + reach, level.cell); };
+        const double across = 2.0 * reach / level.cell + 1.0; // cells; far more than points where these are much finer
+        if (across * across * across > static_cast<double>(level.items.size())) {
+            if (std::any_of(level.items.begin(), level.items.end(), hit))
+                return true;
+            continue;
+        }
         for (auto i = lo(p.x); i <= hi(p.x); ++i)
             for (auto j = lo(p.y); j <= hi(p.y); ++j)
                 for (auto k = lo(p.z); k <= hi(p.z); ++k) {
                     const auto found = level.cells.find(key(i, j, k));
-                    if (found == level.cells.end())
-                        continue;
-                    for (const Item &item : found->second) {
-                        const Vec3 d = item.point - p;
-                        const double limit = 0.5 * (radius + item.radius);
-                        if (dot(d, d) < limit * limit)
-                            return true;
-                    }
+                    if (found != level.cells.end() && std::any_of(found->second.begin(), found->second.end(), hit))
+                        return true;
                 }
     }
     return false;

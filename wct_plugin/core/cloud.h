@@ -59,6 +59,7 @@ class PointGrid {
     struct Level {
         double cell;
         std::unordered_map<std::uint64_t, std::vector<Item>> cells;
+        std::vector<Item> items; // all of them
     };
     std::vector<Level> levels_; // ascending cells
 };
