@@ -4,6 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from builders import kuhn_cube, l_shape
 
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
@@ -364,3 +365,17 @@ def resampled(mesh):
     assert euler(result["tets"]) == euler(mesh.tets) == 1
     assert volumes(result["points"], result["tets"]).min() > 0
     return result["points"], result["tets"]
+
+
+@pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])
+def test_no_facet_fills_a_right_angle_of_a_face(mesh):
+    # Such a facet is not acute, and to open it later takes long.
+    found = start(mesh)
+    points, crease = found["points"], {tuple(edge) for edge in np.sort(found["creases"], axis=1).tolist()}
+    filled = 0
+    for facet in found["facets"]:
+        for v, a, b in (np.roll(facet, k) for k in range(3)):
+            if found["stratum"][v] == 3 and {tuple(sorted((v, a))), tuple(sorted((v, b)))} <= crease:
+                p, q = points[a] - points[v], points[b] - points[v]
+                filled += p @ q < 0.02 * np.linalg.norm(p) * np.linalg.norm(q)
+    assert filled == 0
