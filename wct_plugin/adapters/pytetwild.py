@@ -6,8 +6,6 @@ never runs in ours. This file is both sides: the parent calls :func:`tetrahedral
 """
 
 import json
-import signal
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -17,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin import predicates
+from wct_plugin.adapters import child
 from wct_plugin.errors import InputError, NeighbourError, OptionError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
@@ -131,32 +130,8 @@ def _run(arguments: list[str], folder: str | Path, timeout: float | None) -> Non
     """Run the child in ``folder``: fTetWild leaves a file __tracked_surface.stl in its working directory."""
     # Without -P the working directory would be the first place to look for modules.
     command = [sys.executable, "-P", "-m", "wct_plugin.adapters.pytetwild", *arguments]
-    # It stays in our process group, so that whoever ends the group ends the child; it starts no process of its own.
-    child = subprocess.Popen(
-        command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    )
-    with child:
-        try:
-            output, _ = child.communicate(timeout=timeout)
-        except subprocess.TimeoutExpired as error:
-            child.kill()
-            raise NeighbourError(
-                f"fTetWild was stopped after {timeout:g} s, its timeout; a larger epsilon or edge_length, "
-                "fewer num_opt_iter or a repaired surface is faster"
-            ) from error
-        except BaseException:  # Ctrl-C does not reach native code
-            child.kill()
-            raise
-    if child.returncode < 0:
-        raise NeighbourError(f"fTetWild crashed with {signal.Signals(-child.returncode).name}{_tail(output)}")
-    if child.returncode:
-        raise NeighbourError(f"fTetWild failed with exit code {child.returncode}{_tail(output)}")
-
-
-def _tail(output: bytes) -> str:
-    lines = [" ".join(line.split()) for line in output.decode(errors="replace").splitlines()]
-    said = " | ".join([line for line in lines if line][-2:])
-    return f"; it last said: {said[-300:]}" if said else ""
+    advice = "a larger epsilon or edge_length, fewer num_opt_iter or a repaired surface is faster"
+    child.run(command, folder, timeout, "fTetWild", advice=advice)
 
 
 def _mesh(points: Floats, tets: Ints, surface: SurfaceMesh) -> TetMesh:
