@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from wct_plugin import predicates
 from wct_plugin.adapters import child
-from wct_plugin.errors import InputError, NeighbourError, OptionError
+from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
+from wct_plugin.errors import InputError, NeighbourError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.solid import check_thick
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-_FLAT = 1e-9  # thickness over diagonal below which a surface counts as planar
 
 
 def tetrahedralize(
@@ -71,13 +71,12 @@ def tetrahedralize(
     NeighbourError
         If fTetWild crashes, runs out of time or fills nothing.
     """
-    _check_between("edge_length", edge_length, 1.0)
-    _check_between("epsilon", epsilon, 1.0)
-    _check_at_least("stop_energy", stop_energy, 3.0)
-    _check_at_least("num_opt_iter", num_opt_iter, 1)
-    if timeout is not None and not timeout > 0:
-        raise OptionError(f"timeout is {timeout}; allowed is a number of seconds above 0, or None")
-    _check_solid(surface)
+    check_between("edge_length", edge_length, 1.0)
+    check_between("epsilon", epsilon, 1.0)
+    check_at_least("stop_energy", stop_energy, 3.0)
+    check_at_least("num_opt_iter", num_opt_iter, 1)
+    check_limit("timeout", timeout, "seconds")
+    check_thick(surface, "fTetWild")
     options = {
         "edge_length_fac": float(edge_length),
         "epsilon": float(epsilon),
@@ -99,31 +98,6 @@ def tetrahedralize(
         with np.load(made) as arrays:
             points, tets = arrays["points"], arrays["tets"]
     return _mesh(points, tets, surface)
-
-
-def _check_between(name: str, value: float, high: float) -> None:
-    if not 0 < value <= high:  # also false for NaN
-        raise OptionError(f"{name} is {value}; allowed is above 0, at most {high:g}")
-
-
-def _check_at_least(name: str, value: float, low: float) -> None:
-    if not low <= value < np.inf:
-        raise OptionError(f"{name} is {value}; allowed is at least {low:g}")
-
-
-def _check_solid(surface: SurfaceMesh) -> None:
-    """FTetWild dies of a segmentation fault on a planar surface, so it is not asked."""
-    points = surface.points[np.unique(surface.triangles)]
-    diagonal = surface.diagonal
-    centred = (points - points.mean(axis=0)) / (diagonal or 1.0)
-    normal = np.linalg.svd(centred.T @ centred)[0][:, 2]
-    thickness = float(np.ptp(centred @ normal))
-    if thickness <= _FLAT:
-        name = f"{surface.source}: " if surface.source else ""
-        raise InputError(
-            f"{name}the surface is planar, {thickness:.1e} of its diagonal thick; "
-            "fTetWild needs one that encloses a volume"
-        )
 
 
 def _run(arguments: list[str], folder: str | Path, timeout: float | None) -> None:
