@@ -42,7 +42,7 @@ class TetrahedralizationOptions(Options):
     )
     keep_boundary: bool = Field(False, description="TetGen: split no triangle of the surface")
     timeout: float | None = Field(None, gt=0, description="Seconds after which the mesher is ended (default: none)")
-    memory_limit: float | None = Field(None, gt=0, description="TetGen: memory it may take, in MB (default: no limit)")
+    memory_limit: float | None = Field(None, gt=0, description="TetGen: memory it may take, in MB")
 
     @model_validator(mode="after")
     def _refuse_the_other_meshers(self) -> "TetrahedralizationOptions":

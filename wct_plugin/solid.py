@@ -39,11 +39,13 @@ def weld(surface: SurfaceMesh) -> tuple[Floats, Ints]:
     points, inverse = np.unique(corners, axis=0, return_inverse=True)
     triangles = inverse.reshape(-1, 3).astype(np.int64)
     ordered = np.sort(triangles, axis=1)
-    collapsed = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+    same = ordered[:, 1:] == ordered[:, :-1]
+    collapsed = np.flatnonzero(same.any(axis=1))
     if len(collapsed):
+        double = points[ordered[collapsed[0], np.argmax(same[collapsed[0]])]]
         raise InputError(
-            f"{label(surface)}triangle {collapsed[0]} has two corners at {place(corners[3 * collapsed[0]])}"
-            f"{_and_more(collapsed)}; its three corners must differ"
+            f"{label(surface)}triangle {collapsed[0]} has two corners at {place(double)}{_and_more(collapsed)}; "
+            "its three corners must differ"
         )
     _, first, inverse = np.unique(ordered, axis=0, return_index=True, return_inverse=True)
     repeats = np.flatnonzero(first[inverse.ravel()] != np.arange(len(ordered)))

@@ -45,7 +45,8 @@ def tetrahedralize(
 
     The surface is kept exactly, its points with all their digits; new points split its triangles where the size or
     shape asks for it. What it divides into several volumes becomes as many regions, 1, 2, ...; a single one is 0. A
-    closed inner surface whose triangles face inward is the wall of a hollow and is not filled. Tags come back on
+    closed inner surface whose triangles face inward is the wall of a hollow and is not filled. The ``reference`` is the
+    surface without the triangles inside, those between regions and sheets in one. Tags come back on
     ``facets``, on every triangle if any is not 0; of an untagged surface only sheets inside a region do, which nothing
     else would keep. Coplanar triangles of one tag count as one facet, unless ``keep_boundary``.
 
@@ -57,7 +58,8 @@ def tetrahedralize(
         Edge, as a fraction of the bounding box's diagonal, of the regular tet that no tet may exceed in volume; above
         0, at most 1.
     radius_edge : float
-        Greatest ratio of circumradius to shortest edge, at least 1; below 1.2 TetGen may not end.
+        Greatest ratio of circumradius to shortest edge, at least 1, but where the surface has small angles; below 1.2
+        TetGen may not end.
     min_dihedral : float
         Smallest dihedral angle in degrees, 0 to 60; above 20 TetGen may not end.
     keep_boundary : bool
@@ -92,7 +94,6 @@ def tetrahedralize(
     check_thick(surface, "TetGen")
     points, triangles = weld(surface)
     pieces = flat_pieces(points, triangles, surface.tags, _COPLANAR * surface.diagonal)
-    tags = surface.tags[np.unique(pieces, return_index=True)[1]]
     volume = (edge_length * surface.diagonal) ** 3 / np.sqrt(72.0)
     # -J no renumbering, -A a number per region
     switches = f"JAq{radius_edge:g}/{min_dihedral:g}a{float(volume)!r}{'Y' if keep_boundary else ''}"
@@ -103,8 +104,8 @@ def tetrahedralize(
         nodes, tets, facets = _result(job.folder, surface, points, triangles)
     nodes[: len(points)] = points  # TetGen writes 16 digits, which are not always all
     _check_kept(surface, triangles, points, nodes, facets, keep_boundary)
-    mesh = _mesh(nodes, tets, facets, tags, surface)
-    return _tidied(_without_cavities(mesh, points, triangles))
+    mesh = _mesh(nodes, tets, facets, surface.source)
+    return _tidied(_without_cavities(mesh, points, triangles), surface, pieces)
 
 
 class _Job:
@@ -172,12 +173,9 @@ def _explain(error: child.ChildError, memory: int | None) -> str:
     """Say in one line why TetGen failed; out of memory is the one thing that it never says."""
     noise = re.compile(r"seconds:|^terminate called|^Aborted|^\s*$")
     lines = [" ".join(line.split()) for line in error.output.splitlines() if not noise.search(line)]
-    text = " ".join(lines)
-    if found := re.search(r"Found two (\w+) intersect each other\. 1st: (\[.*?\]).* 2nd: (\[.*?\])", text):
-        return f"TetGen: two {found[1]} of the surface intersect, points {found[2]} and {found[3]} of its own count"
-    if "point set is trivial" in text:
-        return "TetGen: all points of the surface lie on one plane or line"
-    last = re.sub(r".*: (Assertion .*)", r"\1", lines[-1]).rstrip(". ") if lines else "its start"
+    if found := re.search(r"Found two .*", " ".join(lines)):  # the faults' places are on the lines after
+        return f"TetGen: {found[0]}"
+    last = re.sub(r".*: (?=Assertion)|^Error: ", "", lines[-1]).rstrip(". ") if lines else "its start"
     silent = not lines or lines[-1].endswith("...") or "shared object" in last
     if not silent:
         return f"TetGen: {last}"
@@ -248,7 +246,7 @@ def _check_kept(
     if abs(lost) > _LOST:
         edge = open_edge(points, triangles)
         reason = f"it is open: {edge}" if edge else "its triangles do not fit together"
-        raise InputError(f"{label(surface)}{lost:.1%} of the surface's area bounds nothing inside; {reason}")
+        raise InputError(f"{label(surface)}{100 * lost:.3g} % of the surface's area bounds nothing inside; {reason}")
     if keep_boundary and len(facets) != len(triangles):
         raise NeighbourError(
             f"TetGen made {len(facets)} triangles of the surface's {len(triangles)} in spite of keep_boundary; "
@@ -261,7 +259,7 @@ def _area(points: Floats, triangles: Ints) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
-def _mesh(nodes: Floats, tets: Ints, facets: Ints, tags: Ints, surface: SurfaceMesh) -> TetMesh:
+def _mesh(nodes: Floats, tets: Ints, facets: Ints, source: str) -> TetMesh:
     # TetGen's tets are turned here, so that the mesh's count of repairs is about the user's own data.
     cells, regions = tets[:, :4].copy(), tets[:, 4]
     negative = predicates.orientation(nodes, cells) < 0
@@ -274,9 +272,8 @@ def _mesh(nodes: Floats, tets: Ints, facets: Ints, tags: Ints, surface: SurfaceM
             nodes[used],
             number[cells],
             regions=regions,
-            facets=Cells(number[facets[:, :3]], tags[facets[:, 3] - 1]),
-            reference=surface,
-            source=surface.source,
+            facets=Cells(number[facets[:, :3]], facets[:, 3] - 1),
+            source=source,
         )
     except InputError as error:
         raise NeighbourError(f"TetGen gave an unusable mesh: {error}") from error
@@ -301,15 +298,26 @@ def _without_cavities(mesh: TetMesh, points: Floats, triangles: Ints) -> TetMesh
     return replace(kept, repairs=mesh.repairs)  # points inside a hollow were never the user's
 
 
-def _tidied(mesh: TetMesh) -> TetMesh:
-    """Number the regions from 1, or all 0 for one; leave facets out that say nothing the tets do not say."""
+def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
+    """Number the regions from 1, or all 0 for one; give facets the surface's tags; keep the outside as reference.
+
+    Until here ``facets`` carry numbers of ``pieces``, each of which is outside or inside as a whole.
+    """
     found, regions = np.unique(mesh.regions, return_inverse=True)
     mesh = replace(mesh, regions=regions.ravel() + 1 if len(found) > 1 else np.zeros_like(mesh.regions))
-    if mesh.facets.tags.any():
-        return mesh
-    topology = mesh.topology
-    shown = np.concatenate([topology.boundary, topology.interfaces, mesh.facets.vertices])
-    _, number = np.unique(np.sort(shown, axis=1), axis=0, return_inverse=True)
-    number = number.ravel()
-    own = len(shown) - len(mesh.facets)
-    return replace(mesh, facets=mesh.facets.select(~np.isin(number[own:], number[:own])))
+    outside = _among(mesh.facets.vertices, mesh.topology.boundary)
+    outer = np.isin(pieces, mesh.facets.tags[outside])
+    reference = surface
+    if not outer.all():
+        reference = SurfaceMesh(surface.points, surface.triangles[outer], surface.tags[outer], source=surface.source)
+    tags = surface.tags[np.unique(pieces, return_index=True)[1]][mesh.facets.tags]
+    facets = Cells(mesh.facets.vertices, tags)
+    if not tags.any():  # then those are left out that say nothing the tets do not say
+        facets = facets.select(~outside & ~_among(facets.vertices, mesh.topology.interfaces))
+    return replace(mesh, facets=facets, reference=reference)
+
+
+def _among(triangles: Ints, others: Ints) -> NDArray[np.bool_]:
+    """(k,) which ``triangles`` (k, 3) are in ``others`` (j, 3), in any order of their vertices."""
+    _, number = np.unique(np.sort(np.concatenate([others, triangles]), axis=1), axis=0, return_inverse=True)
+    return np.isin(number.ravel()[len(others) :], number.ravel()[: len(others)])
