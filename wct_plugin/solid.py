@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from wct_plugin import predicates
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.surface import enclosed_volume
@@ -70,22 +71,18 @@ def open_edge(points: Floats, triangles: Ints) -> str | None:
     return f"the edge from {place(start)} to {place(end)} is a side of triangle {one} only{_and_more(single)}"
 
 
-def flat_pieces(points: Floats, triangles: Ints, tags: Ints, tolerance: float) -> Ints:
-    """(k,) a number per triangle, from 0, equal for neighbours of one tag that are coplanar within ``tolerance``."""
+def flat_pieces(points: Floats, triangles: Ints, tags: Ints) -> Ints:
+    """(k,) a number per triangle, from 0, equal for neighbours of one tag that are coplanar, exactly."""
     _, inverse, sizes, _ = _edges(triangles)
     sides = np.argsort(inverse, kind="stable")
     start = (np.cumsum(sizes) - sizes)[sizes == 2]
-    pair = np.column_stack([sides[start], sides[start + 1]])
-    owner = pair // 3
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(normals, axis=1)
-    apex = corners[owner, (pair + 2) % 3]  # of each triangle, the corner off the common edge
-    offset = apex[:, ::-1] - corners[owner, 0]  # of the other's apex from either plane
-    height = np.abs(np.einsum("ijk,ijk->ij", normals[owner], offset))
-    flat = (height <= tolerance * length[owner]).all(axis=1) & (tags[owner[:, 0]] == tags[owner[:, 1]])
-    joined, count = owner[flat], len(triangles)
-    graph = coo_array((np.ones(len(joined), np.int8), (joined[:, 0], joined[:, 1])), (count, count))
+    first, second = sides[start], sides[start + 1]
+    apex = triangles[second // 3, (second + 2) % 3]  # of the second triangle, the corner off the common edge
+    flat = predicates.orientation(points, np.column_stack([triangles[first // 3], apex])) == 0
+    flat &= tags[first // 3] == tags[second // 3]
+    count = len(triangles)
+    ones = np.ones(int(flat.sum()), np.int8)
+    graph = coo_array((ones, (first[flat] // 3, second[flat] // 3)), (count, count))
     numbers: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
     return numbers
 

@@ -8,6 +8,7 @@ import re
 import shutil
 import tempfile
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from wct_plugin import predicates
 from wct_plugin.adapters import child
 from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
-from wct_plugin.errors import InputError, NeighbourError, OptionError
+from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.solid import check_thick, flat_pieces, in_cavity, label, open_edge, place, shells, weld
 
@@ -26,8 +27,10 @@ Ints = NDArray[np.int64]
 
 _MEGABYTE = 1 << 20
 _LOST = 1e-9  # of the surface's area; rounding is far below, a lost triangle above
-_COPLANAR = 1e-10  # of the diagonal; TetGen by itself merges facets that bend by up to 0.1 degrees, and leaves both
-_ORDERS = 5  # in which the points are tried; each later one fails on a few percent of the worst inputs
+# TetGen trips over cospherical and nearly coplanar points, in some orders of theirs. So it is tried again: points one
+# after the other (b0) instead of along a curve through space, which is faster; then shuffled, facets as given (M)
+# instead of merged where coplanar, which needs fewer tets; at last without splitting them (Y), which hardly ever fails.
+_ATTEMPTS = ("", "b0", "b0M", "b0M", "b0Y")
 _STEEPEST = 60.0  # degrees; a regular tet has 70.5 and no mesh consists of them
 
 
@@ -48,7 +51,7 @@ def tetrahedralize(
     closed inner surface whose triangles face inward is the wall of a hollow and is not filled. The ``reference`` is the
     surface without the triangles inside, those between regions and sheets in one. Tags come back on
     ``facets``, on every triangle if any is not 0; of an untagged surface only sheets inside a region do, which nothing
-    else would keep. Coplanar triangles of one tag count as one facet, unless ``keep_boundary``.
+    else would keep. Exactly coplanar triangles of one tag count as one facet, unless ``keep_boundary``.
 
     Parameters
     ----------
@@ -93,14 +96,14 @@ def tetrahedralize(
         raise NeighbourError(f"{missing[0]} is not on the PATH; on Debian and Ubuntu: apt install tetgen coreutils")
     check_thick(surface, "TetGen")
     points, triangles = weld(surface)
-    pieces = flat_pieces(points, triangles, surface.tags, _COPLANAR * surface.diagonal)
+    # TetGen merges facets of one marker that bend by up to 0.1 degrees, and leaves both: a marker per flat piece.
+    pieces = flat_pieces(points, triangles, surface.tags)
     volume = (edge_length * surface.diagonal) ** 3 / np.sqrt(72.0)
     # -J no renumbering, -A a number per region
     switches = f"JAq{radius_edge:g}/{min_dihedral:g}a{float(volume)!r}{'Y' if keep_boundary else ''}"
     with tempfile.TemporaryDirectory(prefix="wct_") as name:
         job = _Job(Path(name), timeout, None if memory_limit is None else int(memory_limit * _MEGABYTE))
-        points, triangles, insertion = _checked(job, surface, points, triangles, pieces)
-        job.run(f"-pz{switches}{insertion}")
+        points, triangles = _fill(job, switches, surface, points, triangles, pieces)
         nodes, tets, facets = _result(job.folder, surface, points, triangles)
     nodes[: len(points)] = points  # TetGen writes 16 digits, which are not always all
     _check_kept(surface, triangles, points, nodes, facets, keep_boundary)
@@ -123,22 +126,21 @@ class _Job:
         try:
             return child.run(command, self.folder, left, "TetGen", memory=self.memory, advice=advice)
         except child.ChildError as error:
-            raise _AbortError(_explain(error, self.memory)) from error
+            raise _explain(error, self.memory) from error
 
 
 class _AbortError(NeighbourError):
-    """TetGen aborted."""
+    """TetGen aborted; ``starved`` if most likely for want of memory."""
+
+    def __init__(self, message: str, starved: bool = False) -> None:
+        super().__init__(message)
+        self.starved = starved
 
 
-def _checked(
-    job: _Job, surface: SurfaceMesh, points: Floats, triangles: Ints, pieces: Ints
-) -> tuple[Floats, Ints, str]:
-    """Write the surface and let TetGen search it for faults (-d).
-
-    Its Delaunay step trips over cospherical points in some orders of theirs, so others are tried, one after the other
-    (-b0) instead of along a curve through space, which is faster. Gives points, triangles and switch of the first that
-    it takes.
-    """
+def _fill(
+    job: _Job, switches: str, surface: SurfaceMesh, points: Floats, triangles: Ints, pieces: Ints
+) -> tuple[Floats, Ints]:
+    """Let TetGen search the surface for faults (-d) and fill it (-p); gives points and triangles in the order taken."""
     attempt = 0
     while True:
         order = np.arange(len(points)) if attempt < 2 else np.random.default_rng(attempt).permutation(len(points))
@@ -147,16 +149,23 @@ def _checked(
             _write(job.folder / "surface.poly", ordered, renumbered, pieces)
         except OSError as error:
             raise NeighbourError(f"TetGen cannot be given the surface: {error.strerror or error}") from error
-        insertion = "b0" if attempt else ""
         try:
-            said = job.run(f"-dz{insertion}")
+            extra = _ATTEMPTS[attempt].replace("Y", "" if "Y" in switches else "Y")
+            _check_facets(job.run(f"-dz{extra}"), surface, ordered, renumbered)
+            job.run(f"-pz{switches}{extra}")
         except _AbortError as error:
             attempt += 1
-            if "Assertion" not in str(error) or attempt == _ORDERS:
+            if error.starved or attempt == len(_ATTEMPTS):
                 raise
             continue
-        _check_facets(said, surface, ordered, renumbered)
-        return ordered, renumbered, insertion
+        if "Y" in extra:
+            warnings.warn(
+                f"{label(surface)}TetGen could not split the surface's triangles and keeps them; tets there may be "
+                "larger or flatter than asked for",
+                WctWarning,
+                stacklevel=2,
+            )
+        return ordered, renumbered
 
 
 def _write(path: Path, points: Floats, triangles: Ints, pieces: Ints) -> None:
@@ -169,22 +178,22 @@ def _write(path: Path, points: Floats, triangles: Ints, pieces: Ints) -> None:
         file.write("0\n0\n")  # no holes, no seeds of regions
 
 
-def _explain(error: child.ChildError, memory: int | None) -> str:
+def _explain(error: child.ChildError, memory: int | None) -> _AbortError:
     """Say in one line why TetGen failed; out of memory is the one thing that it never says."""
     noise = re.compile(r"seconds:|^terminate called|^Aborted|^\s*$")
     lines = [" ".join(line.split()) for line in error.output.splitlines() if not noise.search(line)]
     if found := re.search(r"Found two .*", " ".join(lines)):  # the faults' places are on the lines after
-        return f"TetGen: {found[0]}"
-    last = re.sub(r".*: (?=Assertion)|^Error: ", "", lines[-1]).rstrip(". ") if lines else "its start"
-    silent = not lines or lines[-1].endswith("...") or "shared object" in last
-    if not silent:
-        return f"TetGen: {last}"
-    if memory is None:
-        return f"TetGen failed in {last!r} without a reason; is the system out of memory?"
-    return (
-        f"TetGen failed in {last!r}, most likely out of memory: memory_limit is {memory / _MEGABYTE:g} MB; "
-        "a larger edge_length needs less"
-    )
+        return _AbortError(f"TetGen: {found[0]}")
+    last = re.sub(r".*: (?=Assertion|error)|^Error: ", "", lines[-1]).rstrip(". ") if lines else "its start"
+    growing = last == "Refining mesh" or "shared object" in last  # elsewhere it is rather a fault of TetGen's
+    if memory is not None and growing:
+        limit = f"memory_limit is {memory / _MEGABYTE:g} MB"
+        return _AbortError(f"TetGen ran out of memory in {last!r}: {limit}; a larger edge_length needs less", True)
+    if "SIGKILL" in str(error):
+        return _AbortError(f"TetGen was killed in {last!r}, most likely because the system ran out of memory", True)
+    if lines and not lines[-1].endswith("..."):
+        return _AbortError(f"TetGen: {last}")
+    return _AbortError(f"TetGen failed in {last!r} and does not say why; a repaired surface may help")
 
 
 def _check_facets(said: str, surface: SurfaceMesh, points: Floats, triangles: Ints) -> None:
