@@ -245,7 +245,7 @@ def test_open_surfaces(scratch: Path) -> None:
     assert refusal(SurfaceMesh(CORNERS, FACES[1:], source="a.stl")) == (f"a.stl: the surface encloses nothing, {edge}")
     half = SurfaceMesh(np.vstack([CORNERS + 3, CORNERS]), np.vstack([FACES, FACES[1:] + 8]))
     assert refusal(half, edge_length=0.3) == (
-        "47.8 % of the surface's area bounds nothing inside; it is open: "
+        "47.8 % of the surface's area bounds nothing; it is open: "
         "the edge from (0, 0, 0) to (0, 0, 1) is a side of triangle 16 only (and 2 more)"
     )
     assert_clean(scratch)

@@ -103,11 +103,7 @@ def tetrahedralize(
     switches = f"JAq{radius_edge:g}/{min_dihedral:g}a{float(volume)!r}{'Y' if keep_boundary else ''}"
     with tempfile.TemporaryDirectory(prefix="wct_") as name:
         job = _Job(Path(name), timeout, None if memory_limit is None else int(memory_limit * _MEGABYTE))
-        points, triangles = _fill(job, switches, surface, points, triangles, pieces)
-        nodes, tets, facets = _result(job.folder, surface, points, triangles)
-    nodes[: len(points)] = points  # TetGen writes 16 digits, which are not always all
-    _check_kept(surface, triangles, points, nodes, facets, keep_boundary)
-    mesh = _mesh(nodes, tets, facets, surface.source)
+        mesh = _fill(job, switches, surface, points, triangles, pieces)
     return _tidied(_without_cavities(mesh, points, triangles), surface, pieces)
 
 
@@ -137,22 +133,23 @@ class _AbortError(NeighbourError):
         self.starved = starved
 
 
-def _fill(
-    job: _Job, switches: str, surface: SurfaceMesh, points: Floats, triangles: Ints, pieces: Ints
-) -> tuple[Floats, Ints]:
-    """Let TetGen search the surface for faults (-d) and fill it (-p); gives points and triangles in the order taken."""
+def _fill(job: _Job, switches: str, surface: SurfaceMesh, points: Floats, triangles: Ints, pieces: Ints) -> TetMesh:
+    """Let TetGen search the surface for faults (-d) and fill it (-p), in several ways if need be."""
     attempt = 0
     while True:
+        extra = _ATTEMPTS[attempt].replace("Y", "" if "Y" in switches else "Y")
         order = np.arange(len(points)) if attempt < 2 else np.random.default_rng(attempt).permutation(len(points))
         ordered, renumbered = points[order], np.argsort(order)[triangles]
+        for stale in job.folder.iterdir():
+            stale.unlink()
         try:
             _write(job.folder / "surface.poly", ordered, renumbered, pieces)
         except OSError as error:
             raise NeighbourError(f"TetGen cannot be given the surface: {error.strerror or error}") from error
         try:
-            extra = _ATTEMPTS[attempt].replace("Y", "" if "Y" in switches else "Y")
             _check_facets(job.run(f"-dz{extra}"), surface, ordered, renumbered)
             job.run(f"-pz{switches}{extra}")
+            mesh = _result(job.folder, surface, ordered, renumbered, keep="Y" in switches)
         except _AbortError as error:
             attempt += 1
             if error.starved or attempt == len(_ATTEMPTS):
@@ -165,7 +162,7 @@ def _fill(
                 WctWarning,
                 stacklevel=2,
             )
-        return ordered, renumbered
+        return mesh
 
 
 def _write(path: Path, points: Floats, triangles: Ints, pieces: Ints) -> None:
@@ -221,14 +218,20 @@ def _middle(points: Floats, triangles: Ints, index: int) -> str:
     return place(points[triangles[index]].mean(axis=0))
 
 
-def _result(folder: Path, surface: SurfaceMesh, points: Floats, triangles: Ints) -> tuple[Floats, Ints, Ints]:
-    """Nodes (n, 3), tets with their region (m, 5) and facets with their marker (k, 4) from TetGen's files."""
-    tets = _table(folder / "surface.1.ele")
+def _result(folder: Path, surface: SurfaceMesh, points: Floats, triangles: Ints, keep: bool) -> TetMesh:
+    """Read TetGen's files and check that the whole surface came back; facets are tagged by their piece."""
+    tets, vertices, faces = (_table(folder / f"surface.1.{part}") for part in ("ele", "node", "face"))
+    edge = open_edge(points, triangles)
     if not len(tets):
-        edge = open_edge(points, triangles)
         raise InputError(f"{label(surface)}the surface encloses nothing{f', it is open: {edge}' if edge else ''}")
-    nodes, facets = _table(folder / "surface.1.node"), _table(folder / "surface.1.face")
-    return nodes[:, 1:4].copy(), tets[:, 1:6].astype(np.int64), facets[:, 1:5].astype(np.int64)
+    nodes, cells, facets = vertices[:, 1:4].copy(), tets[:, 1:6].astype(np.int64), faces[:, 1:5].astype(np.int64)
+    nodes[: len(points)] = points  # TetGen writes 16 digits, which are not always all
+    lost = 1 - _area(nodes, facets[:, :3]) / _area(points, triangles)
+    if edge and lost > _LOST:  # TetGen drops facets that bound nothing without a word
+        raise InputError(f"{label(surface)}{100 * lost:.3g} % of the surface's area bounds nothing; it is open: {edge}")
+    if abs(lost) > _LOST or (keep and len(facets) != len(triangles)):
+        raise _AbortError(f"TetGen did not keep the surface: {len(triangles)} triangles became {len(facets)}")
+    return _mesh(nodes, cells, facets, surface.source)
 
 
 def _table(path: Path) -> Floats:
@@ -244,23 +247,6 @@ def _table(path: Path) -> Floats:
     if len(rows) != count:
         raise NeighbourError(f"TetGen's {path.name} has {len(rows)} rows of {count}; is the disk full?")
     return rows
-
-
-def _check_kept(
-    surface: SurfaceMesh, triangles: Ints, points: Floats, nodes: Floats, facets: Ints, keep_boundary: bool
-) -> None:
-    """TetGen drops facets that bound nothing without a word: the whole area must have come back."""
-    area = _area(points, triangles)
-    lost = 1 - _area(nodes, facets[:, :3]) / area
-    if abs(lost) > _LOST:
-        edge = open_edge(points, triangles)
-        reason = f"it is open: {edge}" if edge else "its triangles do not fit together"
-        raise InputError(f"{label(surface)}{100 * lost:.3g} % of the surface's area bounds nothing inside; {reason}")
-    if keep_boundary and len(facets) != len(triangles):
-        raise NeighbourError(
-            f"TetGen made {len(facets)} triangles of the surface's {len(triangles)} in spite of keep_boundary; "
-            "leave it out, or use mesher 'ftetwild'"
-        )
 
 
 def _area(points: Floats, triangles: Ints) -> float:
@@ -285,7 +271,7 @@ def _mesh(nodes: Floats, tets: Ints, facets: Ints, source: str) -> TetMesh:
             source=source,
         )
     except InputError as error:
-        raise NeighbourError(f"TetGen gave an unusable mesh: {error}") from error
+        raise _AbortError(f"TetGen gave an unusable mesh: {error}") from error
 
 
 def _without_cavities(mesh: TetMesh, points: Floats, triangles: Ints) -> TetMesh:
