@@ -83,6 +83,21 @@ def test_a_surface_goes_through_the_mesher(tmp_path):
     assert "meshing_well_centered" in found["filters"]
 
 
+def test_a_surface_goes_through_tetgen(tmp_path, capsys):
+    wct.write(tmp_path / "ball.ply", sphere_surface(100))
+    arguments = ["optimize", tmp_path / "ball.ply", tmp_path / "ball.vtu", "--mesher", "tetgen"]
+    options = ["--mesher-edge-length", "0.2", "--mesher-min-dihedral", "5", "--tolerance", "0.02", "--goal", "3wc"]
+    assert cli.run([*map(str, arguments), *options]) == 0
+    assert "3WC" in capsys.readouterr().out
+    assert len(wct.read(tmp_path / "ball.vtu").tets) > 100
+    said = refused(capsys, *arguments, "--mesher-epsilon", "0.01")
+    assert said == "filters.generate_tetrahedralization: option 'epsilon' is for mesher 'ftetwild', not for 'tetgen'"
+    assert refused(capsys, *arguments, "--mesher-timeout", "0.01").startswith("TetGen was stopped after 0.01 s")
+    said = refused(capsys, "optimize", tmp_path / "ball.vtu", tmp_path / "out.vtu", "--mesher", "tetgen")
+    assert said == f"--mesher is for surfaces; {tmp_path / 'ball.vtu'} has tets already"
+    assert not (tmp_path / "out.vtu").exists()
+
+
 def test_the_mesher_gets_half_of_the_tolerance_given():
     mesher, optimizer = find_filter("generate_tetrahedralization"), find_filter(cli._OPTIMIZERS[0])
 
@@ -95,6 +110,8 @@ def test_the_mesher_gets_half_of_the_tolerance_given():
     assert epsilon({"epsilon": 2e-4}, tolerance=4e-4) == 2e-4
     with pytest.raises(OptionError, match=r"'epsilon' is 0.001; of the tolerance of 0.001 it may take half, 0.0005"):
         epsilon({"epsilon": 1e-3}, tolerance=1e-3)
+    exact = mesher(mesher="tetgen")
+    assert mesher_within_tolerance(exact, optimizer(tolerance=1e-4)) is exact
 
 
 def test_the_reference_is_a_file_and_both_reports_are_about_it(tmp_path):

@@ -88,6 +88,15 @@ def _fields(*names: str) -> dict[str, FieldInfo]:
     return {option: field for fields in found for option, field in fields}
 
 
+def _parameter(prefix: str, option: str) -> str:
+    """The command line's name of a filter's option; ``--mesher-mesher`` would be a stutter."""
+    return option if prefix == f"{option}_" else prefix + option
+
+
+def _flag(prefix: str, option: str) -> str:
+    return "--" + _parameter(prefix, option).replace("_", "-")
+
+
 def _filter_options(*names: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
 
@@ -100,16 +109,17 @@ def _filter_options(*names: str, prefix: str = "") -> Callable[[Callable[..., An
             choices = "|".join(_choices(field))
             range_and_default = ["" if choices else describe_range(field), f"default {describe_default(field)}"]
             shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
-            flag = "--" + (prefix + option).replace("_", "-")
+            spelling = (_flag(prefix, option), _parameter(prefix, option))
             metavar = f"[{choices}]" if choices else None
-            command = click.option(flag, prefix + option, type=_click_type(field), metavar=metavar, help=shown)(command)
+            command = click.option(*spelling, type=_click_type(field), metavar=metavar, help=shown)(command)
         return command
 
     return decorate
 
 
 def _given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
-    return {option: values[prefix + option] for option in _fields(*names) if values[prefix + option] is not None}
+    found = {option: values[_parameter(prefix, option)] for option in _fields(*names)}
+    return {option: value for option, value in found.items() if value is not None}
 
 
 # --- progress and Ctrl-C --------------------------------------------------------------------------------------------
@@ -233,7 +243,7 @@ def cli() -> None:
 def optimize(
     source: str, target: str, optimizer_name: str, json_path: str | None, html_path: str | None, **values: Any
 ) -> int:
-    """Improve the tets of IN and write OUT; a surface IN goes through fTetWild first.
+    """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
     Exit code 0: every tet meets the goal. 1: not every one, the best mesh is written. 2: nothing is written.
     """
@@ -248,8 +258,9 @@ def optimize(
     if isinstance(mesh, SurfaceMesh):
         chain = [pipeline.mesher_within_tolerance(mesher, optimizer)]
     elif mesher_options:
-        flag = "--" + (_MESHER_PREFIX + next(iter(mesher_options))).replace("_", "-")
-        raise OptionError(f"{flag} is for surfaces; {source} has tets already")
+        raise OptionError(
+            f"{_flag(_MESHER_PREFIX, next(iter(mesher_options)))} is for surfaces; {source} has tets already"
+        )
     pipeline.check(type(mesh), [*chain, optimizer])
     with _progress() as progress:
         tets, mesher_metrics = pipeline.run(mesh, chain, progress)

@@ -29,9 +29,12 @@ def mesher_within_tolerance(mesher: Filter[Options], optimizer: Filter[Options])
     """The ``mesher`` with an ``epsilon`` of at most half the ``tolerance`` given to the optimizer, which is for both.
 
     An epsilon that was not given is lowered where need be; one that was raises :class:`OptionError` if too large.
+    A mesher without the option keeps the surface as it is.
     """
-    epsilon = mesher.options.model_dump()["epsilon"]
+    epsilon = mesher.options.model_dump().get("epsilon")
     tolerance = optimizer.options.model_dump()["tolerance"]
+    if epsilon is None:
+        return mesher
     if "tolerance" not in optimizer.options.model_fields_set or tolerance is None or epsilon <= tolerance / 2:
         return mesher
     if "epsilon" in mesher.options.model_fields_set:

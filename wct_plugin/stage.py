@@ -104,6 +104,8 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise OptionError(f"{owner}: unknown option {option!r}{hint} (allowed: {', '.join(known) or 'none'})")
     message = fault["msg"].removeprefix("Value error, ")
+    if not option:  # options that do not go together
+        raise OptionError(f"{owner}: {message}")
     given = fault["input"]
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
     raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")
