@@ -16,7 +16,7 @@ class MeshlabOptions(Options):
 
     filter: str | None = Field(None, min_length=1, description="pymeshlab's name of a filter, as meshing_close_holes")
     arguments: dict[str, Any] = Field(
-        default_factory=dict,
+        {},
         description="The filter's arguments by name; a length is a number in the mesh's unit or a text like '1%', "
         "of the argument's greatest value, mostly the bounding box's diagonal",
     )
@@ -60,6 +60,11 @@ class Meshlab(Filter[MeshlabOptions]):
         elif chosen.script is not None:
             self._steps = meshlab.read_script(chosen.script)
         self._validated = False
+
+    def __call__(self, mesh: Any, progress: ProgressCallback | None = None) -> tuple[SurfaceMesh, Metrics]:
+        """Run; the process that runs the filters checks them first, so none is started only for that."""
+        self.check_takes(type(mesh))
+        return self.run(mesh, progress or (lambda _: True))
 
     def validate(self) -> None:
         """Ask pymeshlab for the filters and their arguments; it takes a second, once."""

@@ -45,6 +45,8 @@ _RENAMED = {
     "compute_shape_diameter_function": "compute_scalar_by_shape_diameter_function_per_vertex",
     "cubic_stylization": "apply_coord_cubic_stylization",
     "dodecahedron_symmetric": "create_dodecahedron_sym",
+    "harmonic_parametrization": "compute_texcoord_parametrization_harmonic",
+    "least_squares_conformal_maps_parametrization": ("compute_texcoord_parametrization_least_squares_conformal_maps"),
     "make_mesh_developable": "apply_coord_developability_of_mesh",
     "per_face_normal_function": "compute_normal_by_function_per_face",
     "re_orient_all_faces_coherently": "meshing_re_orient_faces_coherently",

@@ -40,7 +40,7 @@ def _work(steps: list[dict[str, Any]]) -> list[dict[str, Any]]:
     if given is not None:
         for name, arguments, step in calls:
             if len(calls) > 1:
-                sys.stdout.write(f"{step['where']}\n")  # the last words, should it crash
+                sys.stdout.buffer.write(f"{step['where']}\n".encode(errors="replace"))  # the last words of a crash
                 sys.stdout.flush()
             log.append(_apply(given, name, arguments, step, catalogue))
         _save(given)
@@ -94,10 +94,10 @@ def _apply(
         raise NeighbourError(f"{where} gives {len(surfaces)} surfaces; allowed is one")
     if surfaces:
         meshes.set_current_mesh(surfaces[0].id())
-    elif name.startswith("get_") and layers:
-        meshes.set_current_mesh(current)  # the new layers hold samples
-    elif layers:
+    elif layers and name.startswith(("generate_", "create_")):
         raise NeighbourError(f"{where} gives {layers[0].vertex_number()} points without a triangle, not a surface")
+    elif layers:
+        meshes.set_current_mesh(current)  # the new layers hold samples
     if not meshes.current_mesh().face_number():
         raise NeighbourError(f"{where} leaves no triangle")
     return {"filter": name, "arguments": _plain(used), "measures": _plain(measured or {})}
@@ -106,8 +106,10 @@ def _apply(
 def _save(meshes: pymeshlab.MeshSet) -> None:
     mesh = meshes.current_mesh()
     made = {"points": mesh.transformed_vertex_matrix(), "triangles": mesh.face_matrix().astype(np.int64)}
-    with np.load("given.npz") as arrays:
-        given = set(arrays.files)
+    given = set()
+    if mesh.id() == 0:  # the given mesh itself, not one generated from it
+        with np.load("given.npz") as arrays:
+            given.update(arrays.files)
     # Every mesh has quality and colour per vertex: zeros and white where nothing set them.
     if "point quality" in given or mesh.vertex_scalar_array().any():
         made["point quality"] = mesh.vertex_scalar_array()
