@@ -155,12 +155,13 @@ def test_quality_and_colour_are_meshlab_s_own():
     assert np.array_equal(same.cell_data["red"], painted.cell_data["red"])
 
 
-def test_moved_points_keep_their_data_but_not_their_normals():
+@pytest.mark.parametrize("freeze", [True, False])  # or kept by MeshLab as a matrix beside the points
+def test_moved_points_keep_their_data_but_not_their_normals(freeze):
     ball = sphere_surface(60)
     normals = dict(zip(("nx", "ny", "nz"), ball.points.T, strict=True))
     surface = replace(ball, tags=np.arange(len(ball.triangles)), point_data={"u": np.arange(60.0), **normals})
     with pytest.warns(WctWarning, match=r"drops point data 'nx', point data 'ny', point data 'nz'$"):
-        moved, _ = run(surface, "compute_matrix_from_translation", axisx=0.25)
+        moved, _ = run(surface, "compute_matrix_from_translation", axisx=0.25, freeze=freeze)
     assert moved.points == pytest.approx(surface.points + np.array([0.25, 0, 0]), abs=1e-6)
     assert np.array_equal(moved.tags, surface.tags)
     assert np.array_equal(moved.point_data["u"], surface.point_data["u"])
@@ -255,6 +256,16 @@ def test_arguments_are_checked_without_a_mesh():
     stage.validate()
     with pytest.raises(OptionError, match=r"argument 'maxholesiz' is unknown; did you mean 'maxholesize'\?"):
         find_filter("meshlab")(filter="meshing_close_holes", arguments={"maxholesiz": 20}).validate()
+
+
+def test_a_range_that_depends_on_the_mesh_is_checked_on_it():
+    """MeshLab moves a mesh by five diagonals at most, and would do that without a word."""
+    small, large = sphere_surface(20), sphere_surface(20, radius=50.0)
+    reason = f"argument 'axisx' is 30; allowed is at most {5 * small.diagonal:.6g}"
+    with pytest.raises(OptionError, match=rf"\(compute_matrix_from_translation\): {reason}$"):
+        run(small, "compute_matrix_from_translation", axisx=30)
+    moved, _ = run(large, "compute_matrix_from_translation", axisx=30)
+    assert moved.points[:, 0] == pytest.approx(large.points[:, 0] + 30.0, abs=1e-5)
 
 
 def test_a_script_written_by_pymeshlab_does_what_its_filters_do(tmp_path):
