@@ -33,9 +33,11 @@ def test_our_filters_are_registered():
     assert filter_names() == [
         "apply_coord_well_centering",
         "compute_scalar_by_well_centeredness",
+        "generate_boundary_surface",
         "generate_tetrahedralization",
         "get_quality",
         "meshing_well_centered",
+        "meshlab",
     ]
     for name in filter_names():
         found = find_filter(f"filters.{name}")
@@ -43,6 +45,20 @@ def test_our_filters_are_registered():
         assert found.summary().endswith((".", ":"))
         for field in found.declaration.model_fields.values():
             assert field.description
+
+
+def test_a_filter_is_validated_before_it_runs():
+    class Picky(Shift):
+        """Shift nothing."""
+
+        def validate(self):
+            raise OptionError("no such file")
+
+        def run(self, mesh, progress):
+            raise AssertionError
+
+    with pytest.raises(OptionError, match="no such file"):
+        Picky()(jittered_cube(2, 0))
 
 
 def test_defaults_and_given_options():

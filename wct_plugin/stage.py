@@ -62,9 +62,16 @@ class Filter(ABC, Generic[O_co]):
         self.options: O_co = parse_options(self.declaration, options, f"filters.{self.name}")  # type: ignore[assignment]
 
     def __call__(self, mesh: Mesh, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
-        """Check that ``mesh`` is of the kind the filter takes, then run."""
+        """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run."""
         self.check_takes(type(mesh))
+        self.validate()
         return self.run(mesh, progress or _silent)
+
+    def validate(self) -> None:
+        """Check what needs more than the declaration: files, neighbours' names. Called before a pipeline runs anything.
+
+        Raises :class:`WctError`. It may be called more than once.
+        """
 
     @abstractmethod
     def run(self, mesh: Any, progress: ProgressCallback) -> tuple[Mesh, Metrics]:
@@ -75,8 +82,10 @@ class Filter(ABC, Generic[O_co]):
         """Raise :class:`OptionError` unless the filter takes meshes of ``kind``."""
         if issubclass(kind, cls.takes):
             return
-        hint = "; put filters.generate_tetrahedralization before it" if kind is SurfaceMesh else ""
-        raise OptionError(f"filters.{cls.name} needs {_KINDS[cls.takes]}, here is {_KINDS[kind]}{hint}")
+        maker = "generate_tetrahedralization" if kind is SurfaceMesh else "generate_boundary_surface"
+        raise OptionError(
+            f"filters.{cls.name} needs {_KINDS[cls.takes]}, here is {_KINDS[kind]}; put filters.{maker} before it"
+        )
 
     @classmethod
     def summary(cls) -> str:
@@ -98,14 +107,14 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
     option = ".".join(str(part) for part in fault["loc"])
+    message = fault["msg"].removeprefix("Value error, ")
+    if not option:  # of the options together
+        raise OptionError(f"{owner}: {message}")
     if fault["type"] == "extra_forbidden":
         known = list(model.model_fields)
         near = difflib.get_close_matches(option, known, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise OptionError(f"{owner}: unknown option {option!r}{hint} (allowed: {', '.join(known) or 'none'})")
-    message = fault["msg"].removeprefix("Value error, ")
-    if not option:  # options that do not go together
-        raise OptionError(f"{owner}: {message}")
     given = fault["input"]
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
     raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")
