@@ -1,0 +1,63 @@
+"""A mesh on its way through a pipeline, with what the filters found out about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.report import Report, make_report
+from wct_plugin.stage import Mesh, Metrics, find_filter
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """What one stage hands to the next."""
+
+    mesh: Mesh
+    metrics: Mapping[str, Metrics] = field(default_factory=dict)  #: of each filter the mesh came through, by its name
+    found: Mapping[str, Any] = field(default_factory=dict)  #: metrics of the filter that made the mesh's shape
+    _reports: dict[tuple[int, int], Report] = field(default_factory=dict, repr=False)
+
+    def through(self, name: str, mesh: Mesh, metrics: Metrics) -> "Flow":
+        """The flow behind the filter ``name``, which gave ``mesh`` and ``metrics``."""
+        key, count = name, 1
+        while key in self.metrics:
+            count += 1
+            key = f"{name}_{count}"
+        found = self.found if _same_shape(self.mesh, mesh) else metrics
+        return Flow(mesh, {**self.metrics, key: metrics}, found)
+
+    def named(self, source: str) -> "Flow":
+        """The flow of a mesh that is in the file ``source`` from here on."""
+        return Flow(replace(self.mesh, source=source), self.metrics, self.found)
+
+    def report(self, worst: int = 10, reference: SurfaceMesh | None = None) -> Report:
+        """The report of the mesh, made once; ``reference`` takes the place of the mesh's own, if given.
+
+        What the filter that made the mesh has measured is not measured again.
+        """
+        find_filter("get_quality").check_takes(type(self.mesh))
+        assert isinstance(self.mesh, TetMesh)
+        mesh, found = self.mesh, dict(self.found)
+        if reference is not None and reference is not mesh.reference:
+            mesh = replace(mesh, reference=reference)
+            found.pop("deviation", None)
+        key = (worst, id(mesh.reference))
+        if key not in self._reports:
+            self._reports[key] = make_report(mesh, worst, found)
+        return self._reports[key]
+
+
+def side_by_side(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Report]:
+    """A report of each, all measured against the reference of the last one, so that their numbers compare."""
+    last = list(flows.values())[-1].mesh
+    reference = last.reference if isinstance(last, TetMesh) else None
+    return {name: flow.report(worst, reference) for name, flow in flows.items()}
+
+
+def _same_shape(one: Mesh, other: Mesh) -> bool:
+    if isinstance(one, TetMesh) and isinstance(other, TetMesh):
+        return np.array_equal(one.points, other.points) and np.array_equal(one.tets, other.tets)
+    return False
