@@ -1,5 +1,7 @@
 """``filters.generate_tetrahedralization``: from a surface to tetrahedra."""
 
+from typing import Any, ClassVar
+
 from pydantic import Field
 
 from wct_plugin.adapters import pytetwild
@@ -34,6 +36,7 @@ class GenerateTetrahedralization(Filter[TetrahedralizationOptions]):
     takes = SurfaceMesh
     gives = TetMesh
     declaration = TetrahedralizationOptions
+    example: ClassVar[dict[str, Any]] = {"edge_length": 0.1}
 
     def run(self, mesh: SurfaceMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         progress(Progress("fTetWild", 0.0))

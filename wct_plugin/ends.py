@@ -5,7 +5,7 @@ import os
 from abc import abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, field_validator
 
@@ -14,6 +14,7 @@ from wct_plugin.adapters import formats, meshio
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.flow import Flow, side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.result import plain
 from wct_plugin.stage import Kind, Mesh, O_co, Options, Stage, check_kind
 
 _REPORTS = (".html", ".json")
@@ -140,7 +141,10 @@ class WriteMesh(Writer[FileOptions]):
 class ReportOptions(FileOptions):
     """Where the report goes and what it lists."""
 
-    filename: str = Field(min_length=1, description="An .html page or a .json file")
+    filename: str = Field(min_length=1, description="The file to write")
+    format: Literal["html", "json"] | None = Field(
+        None, description="html: a page that needs nothing else; json: numbers (none: as the file's suffix says)"
+    )
     worst: int = Field(10, ge=0, description="How many of the worst tets to list")
 
 
@@ -160,11 +164,14 @@ class WriteReport(Writer[ReportOptions]):
     def filename(self) -> str:  # noqa: D102
         return self.options.filename
 
-    def validate(self) -> None:  # noqa: D102
+    def _is_page(self) -> bool:
         suffix = Path(self.filename).suffix.lower()
-        if suffix not in _REPORTS:
+        if self.options.format is None and suffix not in _REPORTS:
             raise OutputError(f"{self.filename}: unknown suffix {suffix!r}; allowed are {' '.join(_REPORTS)}")
-        if suffix == ".html":
+        return (self.options.format or suffix.removeprefix(".")) == "html"
+
+    def validate(self) -> None:  # noqa: D102
+        if self._is_page():
             report_page.check_available()
         files.check_writable(self.filename)
 
@@ -176,8 +183,9 @@ class WriteReport(Writer[ReportOptions]):
 
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
         reports = side_by_side(flows, self.options.worst)
-        if Path(self.filename).suffix.lower() == ".html":
-            text = report_page.html(list(reports.values()), " → ".join(filter(None, (one.source for one in reports.values()))))
+        if self._is_page():
+            sources = [one.source for one in reports.values() if one.source]
+            text = report_page.html(list(reports.values()), " → ".join(sources))
         else:
             text = json.dumps(report_content(flows, self.options.worst), indent=2)
         with files.replacing(self.filename) as temporary:
@@ -189,7 +197,7 @@ def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]
     reports = {name: one.to_dict() for name, one in side_by_side(flows, worst).items()}
     if len(reports) == 1:
         return next(iter(reports.values()))
-    return {**reports, "filters": dict(list(flows.values())[-1].metrics)}
+    return {**reports, "filters": plain(list(flows.values())[-1].metrics)}
 
 
 #: Every reader and writer by type.

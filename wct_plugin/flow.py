@@ -8,7 +8,7 @@ import numpy as np
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.report import Report, make_report
-from wct_plugin.stage import Mesh, Metrics, find_filter
+from wct_plugin.stage import Filter, Mesh, Metrics, Options, find_filter
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,16 +17,20 @@ class Flow:
 
     mesh: Mesh
     metrics: Mapping[str, Metrics] = field(default_factory=dict)  #: of each filter the mesh came through, by its name
-    found: Mapping[str, Any] = field(default_factory=dict)  #: metrics of the filter that made the mesh's shape
+    found: Mapping[str, Any] = field(default_factory=dict)  #: metrics of the filter that measured the mesh
     _reports: dict[tuple[int, int], Report] = field(default_factory=dict, repr=False)
 
-    def through(self, name: str, mesh: Mesh, metrics: Metrics) -> "Flow":
-        """The flow behind the filter ``name``, which gave ``mesh`` and ``metrics``."""
-        key, count = name, 1
+    def through(self, stage: Filter[Options], mesh: Mesh, metrics: Metrics) -> "Flow":
+        """The flow behind the filter ``stage``, which gave ``mesh`` and ``metrics``."""
+        key, count = stage.name, 1
         while key in self.metrics:
             count += 1
-            key = f"{name}_{count}"
-        found = self.found if _same_shape(self.mesh, mesh) else metrics
+            key = f"{stage.name}_{count}"
+        found: Mapping[str, Any] = {}
+        if stage.measures:
+            found = metrics
+        elif _same_shape(self.mesh, mesh):
+            found = self.found
         return Flow(mesh, {**self.metrics, key: metrics}, found)
 
     def named(self, source: str) -> "Flow":
@@ -36,7 +40,7 @@ class Flow:
     def report(self, worst: int = 10, reference: SurfaceMesh | None = None) -> Report:
         """The report of the mesh, made once; ``reference`` takes the place of the mesh's own, if given.
 
-        What the filter that made the mesh has measured is not measured again.
+        What a filter has measured is not measured again.
         """
         find_filter("get_quality").check_takes(type(self.mesh))
         assert isinstance(self.mesh, TetMesh)

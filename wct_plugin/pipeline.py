@@ -110,7 +110,7 @@ class Pipeline:
                     before = flows[wires[index][0]]
                     with _named(steps, index):
                         mesh, metrics[index] = stage(before.mesh, progress)
-                    flows[index] = before.through(stage.name, mesh, metrics[index])
+                    flows[index] = before.through(stage, mesh, metrics[index])
                 elif isinstance(stage, Writer):
                     flows[index] = stage.pass_on(flows[wires[index][-1]])
         for index, stage in enumerate(stages):

@@ -1,12 +1,13 @@
 """Pipelines as JSON, in PDAL's form: an array of stages, or an object that holds it under ``pipeline``.
 
-A string is a file: the one that comes first is read, every other one is written, as a report where its name ends in .html
-or .json. An object has ``type``, the stage's options beside it, and if need be ``tag`` and ``inputs`` (one tag or a
-list). With a ``filename`` and no ``type`` it is a file as a string is. Without ``inputs`` a stage takes what the one
-before it gives.
+A string is a file: the one that comes first is read, every other one is written, as a report where its name ends in
+.html or .json. An object has ``type``, the stage's options beside it, and if need be ``tag`` and ``inputs`` (one tag
+or a list). With a ``filename`` and no ``type`` it is a file as a string is. Without ``inputs`` a stage takes what the
+one before it gives.
 """
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -32,18 +33,19 @@ def load(text: str | bytes) -> Any:
     try:
         return json.loads(text, object_pairs_hook=_distinct)
     except UnicodeDecodeError as error:
-        raise InputError(f"is no JSON: not UTF-8 at byte {error.start}") from error
+        raise InputError(f"the pipeline is no JSON: not UTF-8 at byte {error.start}") from error
     except json.JSONDecodeError as error:
-        raise InputError(f"is no JSON: line {error.lineno}, column {error.colno}: {error.msg}") from error
+        raise InputError(f"the pipeline is no JSON: line {error.lineno}, column {error.colno}: {error.msg}") from error
     except RecursionError as error:
-        raise InputError("is no pipeline: nested too deep") from error
+        raise InputError("the pipeline is nested too deep") from error
 
 
 def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         keys = [key for key, _ in pairs]
-        raise InputError(f"is no pipeline: key {next(key for key in keys if keys.count(key) > 1)!r} is there twice")
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise InputError(f"the pipeline has an object with two keys {twice!r}")
     return found
 
 
@@ -147,7 +149,8 @@ def _form(step: Step, where: str, index: int) -> Any:
     entry: dict[str, Any] = {"type": step.stage.type()}
     for name in type(options).model_fields:
         if name in options.model_fields_set:
-            entry[name] = getattr(options, name)
+            value = getattr(options, name)
+            entry[name] = os.fspath(value) if isinstance(value, os.PathLike) else value
             try:
                 json.dumps(entry[name])
             except TypeError as error:

@@ -66,8 +66,11 @@ class Stage(ABC, Generic[O_co]):
     def __init__(self, **options: Any) -> None:
         self.options: O_co = parse_options(self.declaration, options, self.type())  # type: ignore[assignment]
 
-    def validate(self) -> None:  # noqa: B027  # most stages have nothing to add
-        """Check what needs more than the declaration: files, neighbours' names; called before a pipeline runs."""
+    def validate(self) -> None:
+        """Check what needs more than the declaration: files, neighbours' names. Called before a pipeline runs anything.
+
+        Raises :class:`WctError`. It may be called more than once.
+        """
 
     @classmethod
     def type(cls) -> str:
@@ -90,10 +93,12 @@ class Filter(Stage[O_co]):
     family = "filters"
     takes: ClassVar[Kind]
     gives: ClassVar[Kind]
+    measures: ClassVar[bool] = False  #: whether its metrics are what :func:`~wct_plugin.report.make_report` can reuse
 
     def __call__(self, mesh: Mesh, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
-        """Check that ``mesh`` is of the kind the filter takes, then run."""
+        """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run."""
         self.check_takes(type(mesh))
+        self.validate()
         return self.run(mesh, progress or _silent)
 
     @abstractmethod
@@ -141,6 +146,8 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
     if fault["type"] == "missing":
         raise OptionError(f"{owner}: option {option!r} is missing")
     message = fault["msg"].removeprefix("Value error, ")
+    if not option:  # it is about several of them
+        raise OptionError(f"{owner}: {message}")
     given = fault["input"]
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
     raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")

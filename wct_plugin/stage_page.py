@@ -29,7 +29,8 @@ def describe_default(field: FieldInfo) -> str:
     """Give an option's default as the help prints it."""
     if field.is_required():
         return "required"
-    return "none" if field.default is None else str(field.default)
+    default = field.get_default(call_default_factory=True, validated_data={})
+    return "none" if default is None else str(default)
 
 
 def describe_range(field: FieldInfo) -> str:
@@ -74,25 +75,31 @@ def example_in_python(stage: type[Filter[Options]]) -> str:
     return f'(wct.Reader("{source}") | wct.Filter.{stage.name}({options}) | wct.Writer("{target}")).execute()'
 
 
+def example_lines(stage: type[Filter[Options]]) -> list[str]:
+    """The example as JSON and as Python, for a terminal."""
+    return [f"pipeline.json: {json.dumps(example(stage))}", f"Python: {example_in_python(stage)}"]
+
+
 def docstring(stage: type[Stage[Options]]) -> str:
     """The docstring of the stage's constructor in NumPy's form."""
     lines = [about(stage), "", "Parameters", "----------"]
     for name, field in stage.declaration.model_fields.items():
-        allowed = describe_range(field)
-        default = "" if field.is_required() else f", default {describe_default(field)}"
-        lines += [f"{name} : {allowed or _called(field.annotation)}{default}", f"    {field.description}."]
+        kind = " | ".join(choices(field)) or _called(field.annotation)
+        bounds = "" if choices(field) else describe_range(field)
+        default = "" if field.is_required() else f"default {describe_default(field)}"
+        lines += [f"{name} : {', '.join(filter(None, (kind, bounds, default)))}", f"    {field.description}."]
     lines += ["tag : str", "    Name of the stage, for the inputs of others.", "inputs : str or list of str"]
     lines += ["    Tag of the stage whose mesh it takes (default: the stage before)."]
     return "\n".join(lines)
 
 
 def _called(annotation: Any) -> str:
-    """A type in words; only those that JSON has."""
+    """A type in words."""
     origin = get_origin(annotation)
     if origin is Annotated:
-        return ""
+        return _called(get_args(annotation)[0])
     if origin in (Union, types.UnionType):
-        return " or ".join(filter(None, map(_called, get_args(annotation))))
+        return " or ".join(map(_called, get_args(annotation)))
     if origin is Literal:
         return " | ".join(map(str, get_args(annotation)))
     if annotation is types.NoneType:

@@ -48,7 +48,7 @@ def wire(steps: Sequence[Step]) -> list[list[int]]:
     if not steps:
         raise OptionError("the pipeline has no stages")
     tags = _tags(steps)
-    wires = []
+    wires: list[list[int]] = []
     for index, step in enumerate(steps):
         name = label(steps, index)
         if isinstance(step.stage, Reader):
