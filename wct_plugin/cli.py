@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 import wct_plugin as wct
-from wct_plugin import cli_options, stage_page
+from wct_plugin import cli_options, pipeline_json, stage_page
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
     GOAL_MET,
@@ -121,7 +121,7 @@ def optimize(
     if print_pipeline:
         chain = _optimizing(source, filters, writers)
         chain.check()
-        write_text("-", json.dumps(chain.to_json(), indent=2))
+        write_text("-", pipeline_json.text(chain.to_json()))
         return GOAL_MET
     with progress_bar() as progress:
         result = _optimizing(mesh, filters, writers).execute(progress)

@@ -5,9 +5,11 @@ import sys
 from collections.abc import Sequence
 
 import click
+from rich.text import Text
 
 from wct_plugin import chains
 from wct_plugin.cli_show import GOAL_MET, GOAL_MISSED, check_outputs, out, print_result, progress_bar, write_text
+from wct_plugin.ends import Writer
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
@@ -24,7 +26,7 @@ _READY_MADE = "\b\nReady-made pipelines:\n" + "\n".join(
 @click.option(
     "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
 )
-@click.option("--validate", is_flag=True, help="Check the pipeline and end; files are looked for, not read")
+@click.option("--validate", is_flag=True, help="Check the pipeline and end; inputs are read, no filter runs")
 @click.option(
     "--metadata", "metadata_path", metavar="FILE", help="Write options, metrics, seconds as JSON (- for stdout)"
 )
@@ -59,9 +61,13 @@ def run_pipeline(
     if paths:
         pipeline = pipeline.between(paths[0], paths[1:])
     if validate:
-        pipeline.check([TetMesh, SurfaceMesh])
-        out.print(f"valid: {len(pipeline.steps)} stages")
+        pipeline.check([TetMesh, SurfaceMesh], read=True)
+        out.print(Text("valid: " + " | ".join(step.stage.type() for step in pipeline.steps)))
         return GOAL_MET
+    if pipeline.is_open:
+        raise click.UsageError(f"{chain} reads no file of its own; give one: wct run {chain} IN [OUT...]")
+    if not metadata_path and not any(isinstance(step.stage, Writer) for step in pipeline.steps):
+        raise click.UsageError(f"nothing would be written; give an output: wct run {chain} IN OUT, or --metadata FILE")
     check_outputs(metadata_path)
     with progress_bar() as progress:
         result = pipeline.execute(progress)

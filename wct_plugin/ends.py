@@ -131,7 +131,7 @@ class WriteMesh(Writer[FileOptions]):
         formats.to_write(Path(self.filename), volume=kind is TetMesh)
 
     def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
-        return flow.named(self.filename)
+        return flow.into(self.filename)
 
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
         (flow,) = flows.values()

@@ -18,6 +18,7 @@ class Flow:
     mesh: Mesh
     metrics: Mapping[str, Metrics] = field(default_factory=dict)  #: of each filter the mesh came through, by its name
     found: Mapping[str, Any] = field(default_factory=dict)  #: metrics of the filter that measured the mesh
+    written: str = ""  #: the file that holds the mesh, once it is written
     _reports: dict[tuple[int, int], Report] = field(default_factory=dict, repr=False)
 
     def through(self, stage: Filter[Options], mesh: Mesh, metrics: Metrics) -> "Flow":
@@ -33,9 +34,9 @@ class Flow:
             found = self.found
         return Flow(mesh, {**self.metrics, key: metrics}, found)
 
-    def named(self, source: str) -> "Flow":
-        """The flow of a mesh that is in the file ``source`` from here on."""
-        return Flow(replace(self.mesh, source=source), self.metrics, self.found)
+    def into(self, file: str) -> "Flow":
+        """The flow behind a writer of ``file``, which is what reports call the mesh from there on."""
+        return Flow(self.mesh, self.metrics, self.found, file)
 
     def report(self, worst: int = 10, reference: SurfaceMesh | None = None) -> Report:
         """The report of the mesh, made once; ``reference`` takes the place of the mesh's own, if given.
@@ -50,7 +51,8 @@ class Flow:
             found.pop("deviation", None)
         key = (worst, id(mesh.reference))
         if key not in self._reports:
-            self._reports[key] = make_report(mesh, worst, found)
+            report = make_report(mesh, worst, found)
+            self._reports[key] = replace(report, source=self.written or report.source)
         return self._reports[key]
 
 

@@ -19,7 +19,7 @@ from wct_plugin.errors import OptionError, WctError
 from wct_plugin.flow import Flow
 from wct_plugin.result import Result, StageResult
 from wct_plugin.stage import Filter, Kind, Mesh, Metrics, Options, ProgressCallback, Stage
-from wct_plugin.step import Step, find_stage, label, order, upstream, wire
+from wct_plugin.step import Step, find_stage, label, order, unnamed, upstream, wire
 
 
 class Pipeline:
@@ -66,10 +66,11 @@ class Pipeline:
         ends = [Step(find_stage(writer_type(str(target)))(filename=target)) for target in targets]
         return Pipeline((Step(ReadMesh(filename=source)), *self.steps, *ends))
 
-    def check(self, kinds: Iterable[Kind] | None = None) -> None:
+    def check(self, kinds: Iterable[Kind] | None = None, *, read: bool = False) -> None:
         """Check everything that can be checked before running: wiring, tags, files, formats and kinds of mesh.
 
-        ``kinds``: those of the mesh that a pipeline without reader is meant for.
+        ``kinds``: those of the mesh that a pipeline without reader is meant for. ``read``: read the inputs too, as
+        many a format can hold a tet mesh or a surface.
         """
         wires = wire(self.steps)
         if self.is_open and kinds is None:
@@ -80,6 +81,8 @@ class Pipeline:
             with _named(self.steps, index):
                 step.stage.validate()
         _follow(self.steps, wires, {0: frozenset(kinds)} if self.is_open and kinds is not None else {})
+        if read and not self.is_open:
+            _read(self.steps, wires, [0.0] * len(self.steps))
 
     def apply(self, mesh: Mesh, progress: ProgressCallback | None = None) -> Result:
         """Run a pipeline that has no reader on ``mesh``."""
@@ -94,15 +97,9 @@ class Pipeline:
         wires = wire(self.steps)
         stages = within_tolerance(self.steps, wires)
         steps = [replace(step, stage=stage) for step, stage in zip(self.steps, stages, strict=True)]
-        read: dict[int, Flow] = {}
         seconds = [0.0] * len(steps)
-        for index, stage in enumerate(stages):
-            if isinstance(stage, Reader):
-                with _timed(seconds, index):
-                    read[index] = Flow(stage.read())
-        _follow(steps, wires, {index: frozenset({type(flow.mesh)}) for index, flow in read.items()})
-
-        flows, metrics = read, [Metrics() for _ in steps]
+        metrics = [Metrics() for _ in steps]
+        flows = _read(steps, wires, seconds)
         for index in order(steps, wires):
             stage = stages[index]
             with _timed(seconds, index):
@@ -127,6 +124,17 @@ class Pipeline:
         return Result(done, tuple(goal for goal in goals if goal))
 
 
+def _read(steps: Sequence[Step], wires: Sequence[Sequence[int]], seconds: list[float]) -> dict[int, Flow]:
+    """What the readers give, found to be of the kinds that the other stages take."""
+    flows: dict[int, Flow] = {}
+    for index, step in enumerate(steps):
+        if isinstance(step.stage, Reader):
+            with _timed(seconds, index):
+                flows[index] = Flow(step.stage.read())
+    _follow(steps, wires, {index: frozenset({type(flow.mesh)}) for index, flow in flows.items()})
+    return flows
+
+
 @contextmanager
 def _timed(seconds: list[float], index: int) -> Iterator[None]:
     start = time.perf_counter()
@@ -140,8 +148,7 @@ def _named(steps: Sequence[Step], index: int) -> Iterator[None]:
     try:
         yield
     except WctError as error:
-        message = str(error).removeprefix(f"{steps[index].stage.type()}: ")
-        error.args = (f"{label(steps, index)}: {message}", *error.args[1:])
+        error.args = (f"{label(steps, index)}: {unnamed(str(error), steps[index].stage.type())}", *error.args[1:])
         raise
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from wct_plugin.ends import ReadMesh, writer_type
 from wct_plugin.errors import InputError, OptionError, WctError
 from wct_plugin.stage import RESERVED, did_you_mean, unknown_option
-from wct_plugin.step import Step, find_stage, place
+from wct_plugin.step import Step, find_stage, place, unnamed
 
 #: What the object round a pipeline may hold.
 KEYS = ("pipeline", "description", "$schema")
@@ -93,9 +93,7 @@ def _step(entry: Mapping[str, Any], where: str) -> Step:
     try:
         stage = find_stage(entry["type"])(**options)
     except WctError as error:
-        # The place says the type already, unless that is what is wrong.
-        message = str(error).removeprefix(f"{entry['type']}: ")
-        error.args = (f"{where}: {message}", *error.args[1:])
+        error.args = (f"{where}: {unnamed(str(error), entry['type'])}", *error.args[1:])
         raise
     return Step(stage, tag, tuple(inputs))
 
@@ -142,6 +140,11 @@ def _called(value: Any) -> str:
 def form(steps: Sequence[Step]) -> list[Any]:
     """The array that :func:`parse` makes these steps of; options that were not given stay out."""
     return [_form(step, place(index, len(steps), step.stage.type()), index) for index, step in enumerate(steps)]
+
+
+def text(entries: Sequence[Any]) -> str:
+    """What :func:`form` gives as JSON text, a line per stage."""
+    return "[\n" + ",\n".join(f"  {json.dumps(entry, ensure_ascii=False)}" for entry in entries) + "\n]"
 
 
 def _form(step: Step, where: str, index: int) -> Any:

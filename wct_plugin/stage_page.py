@@ -70,9 +70,13 @@ def example(stage: type[Filter[Options]]) -> list[Any]:
 
 def example_in_python(stage: type[Filter[Options]]) -> str:
     """The same pipeline as a line of Python."""
-    options = ", ".join(f"{name}={value!r}" for name, value in stage.example.items())
+    options = ", ".join(f"{name}={_in_python(value)}" for name, value in stage.example.items())
     source, _, target = example(stage)
     return f'(wct.Reader("{source}") | wct.Filter.{stage.name}({options}) | wct.Writer("{target}")).execute()'
+
+
+def _in_python(value: Any) -> str:
+    return json.dumps(value) if isinstance(value, str) else repr(value)
 
 
 def example_lines(stage: type[Filter[Options]]) -> list[str]:

@@ -40,6 +40,11 @@ def place(index: int, count: int, type_name: str = "") -> str:
     return f"stage {index + 1} of {count}" + (f" ({type_name})" if type_name else "")
 
 
+def unnamed(message: str, type_name: str) -> str:
+    """A message without the type it may begin with, for where :func:`place` has said it."""
+    return message.removeprefix(type_name).removeprefix(":").lstrip()
+
+
 def wire(steps: Sequence[Step]) -> list[list[int]]:
     """For each step the indices of those whose meshes it takes; the first may have none, though it needs one.
 
