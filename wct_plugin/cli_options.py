@@ -20,9 +20,14 @@ def _fields(*names: str) -> dict[str, FieldInfo]:
     return {option: field for fields in found for option, field in fields}
 
 
+def _parameter(option: str, prefix: str) -> str:
+    """The command line's name of a filter's option; ``--mesher-mesher`` would be a stutter."""
+    return option if prefix == f"{option}_" else prefix + option
+
+
 def flag(option: str, prefix: str = "") -> str:
     """The flag of an option."""
-    return "--" + (prefix + option).replace("_", "-")
+    return "--" + _parameter(option, prefix).replace("_", "-")
 
 
 def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -38,7 +43,7 @@ def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., A
             range_and_default = ["" if words else describe_range(field), f"default {describe_default(field)}"]
             shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
             metavar = f"[{words}]" if words else None
-            names = (flag(option, prefix), prefix + option)
+            names = (flag(option, prefix), _parameter(option, prefix))
             command = click.option(*names, type=_click_type(field), metavar=metavar, help=shown)(command)
         return command
 
@@ -47,4 +52,5 @@ def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., A
 
 def given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
     """Those of the command's ``values`` that were given for the filters' options."""
-    return {option: values[prefix + option] for option in _fields(*names) if values[prefix + option] is not None}
+    found = {option: values[_parameter(option, prefix)] for option in _fields(*names)}
+    return {option: value for option, value in found.items() if value is not None}

@@ -210,11 +210,9 @@ def mesher_within_tolerance(mesher: Filter[Options], *optimizers: Filter[Options
     """The ``mesher`` with an ``epsilon`` of at most half the ``tolerance`` given to an optimizer, which is for both.
 
     An epsilon that was not given is lowered where need be; one that was raises :class:`OptionError` if too large.
-    Of the meshers fTetWild alone leaves the surface.
+    A mesher that has none keeps the surface as it is.
     """
-    if getattr(mesher.options, "mesher", "ftetwild") != "ftetwild":
-        return mesher
-    epsilon = mesher.options.model_dump()["epsilon"]
+    epsilon = mesher.options.model_dump().get("epsilon")
     given = [one.options.model_dump()["tolerance"] for one in optimizers if "tolerance" in one.options.model_fields_set]
     tolerance = min((float(value) for value in given if value is not None), default=None)
     if tolerance is None or epsilon is None or epsilon <= tolerance / 2:

@@ -50,6 +50,11 @@ class StageResult:
     metrics: Metrics
     seconds: float
 
+    def options(self) -> dict[str, Any]:
+        """Every option that counts, as the declaration itself dumps them, ready for JSON."""
+        given = self.stage.options
+        return {name: plain(getattr(given, name)) for name in given.model_dump()}
+
     def size(self) -> str:
         """How large its mesh is, in words."""
         mesh = self.flow.mesh
@@ -105,7 +110,7 @@ class Result:
                 {
                     "type": one.stage.type(),
                     **({"tag": one.tag} if one.tag else {}),
-                    "options": plain(dict(one.stage.options)),
+                    "options": one.options(),
                     "mesh": one.size(),
                     "metrics": plain(one.metrics),
                     "seconds": one.seconds,
