@@ -48,16 +48,12 @@ def test_repair_ftetwild_mends_what_it_is_given(tmp_path, monkeypatch):
 def test_tetgen_regions_keeps_the_two_sides_of_a_wall(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     two = two_region_cube(2)
-    wall = two.tets[two.topology.interfaces[:, 0], :] if two.topology.interfaces.shape[1] == 4 else None
-    triangles = np.vstack([two.topology.boundary, walls(two)])
-    assert wall is None or len(wall)
-    wct.write("walls.ply", SurfaceMesh(two.points, triangles))
-    assert cli.run(["run", "tetgen-regions", "walls.ply", "out.vtu", "--set", "filters.meshing_well_centered.goal=3wc"]) == 0
+    wct.write("walls.ply", SurfaceMesh(two.points, np.vstack([two.topology.boundary, two.topology.interfaces])))
+    assert (
+        cli.run(["run", "tetgen-regions", "walls.ply", "out.vtu", "--set", "filters.meshing_well_centered.goal=3wc"])
+        == 0
+    )
     mesh = wct.read("out.vtu")
     volumes = quality.measure(mesh).volume
     assert len(np.unique(mesh.regions)) == 2
     assert [volumes[mesh.regions == region].sum() for region in np.unique(mesh.regions)] == pytest.approx([0.5, 0.5])
-
-
-def walls(mesh):
-    return mesh.topology.interfaces
