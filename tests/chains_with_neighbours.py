@@ -49,11 +49,11 @@ def test_tetgen_regions_keeps_the_two_sides_of_a_wall(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     two = two_region_cube(2)
     wct.write("walls.ply", SurfaceMesh(two.points, np.vstack([two.topology.boundary, two.topology.interfaces])))
-    assert (
-        cli.run(["run", "tetgen-regions", "walls.ply", "out.vtu", "--set", "filters.meshing_well_centered.goal=3wc"])
-        == 0
-    )
+    sets = ["--set", "filters.meshing_well_centered.goal=3wc"]
+    sets += ["--set", "filters.generate_tetrahedralization.edge_length=0.3"]
+    assert cli.run(["run", "tetgen-regions", "walls.ply", "out.vtu", *sets]) == 0
     mesh = wct.read("out.vtu")
     volumes = quality.measure(mesh).volume
     assert len(np.unique(mesh.regions)) == 2
-    assert [volumes[mesh.regions == region].sum() for region in np.unique(mesh.regions)] == pytest.approx([0.5, 0.5])
+    halves = [volumes[mesh.regions == region].sum() for region in np.unique(mesh.regions)]
+    assert halves == pytest.approx([0.5, 0.5], abs=1e-3)  # the wall may move by the tolerance

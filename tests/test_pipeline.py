@@ -246,6 +246,17 @@ def test_a_pipeline_lowers_the_meshers_epsilon(place):
     (start | mesher(epsilon=5e-4) | elsewhere).check()
 
 
+# --- stopped --------------------------------------------------------------------------------------------------------
+
+
+def test_who_stops_a_filter_gets_its_best_so_far_written(place):
+    chain = wct.Reader(CUBE) | wct.Filter.meshing_well_centered() | wct.Filter.apply_coord_well_centering()
+    result = (chain | wct.Writer("out.vtu")).execute(lambda state: False)
+    assert result.metrics["meshing_well_centered"]["stopped"]
+    assert len(wct.read("out.vtu").tets) == len(result.mesh.tets)
+    assert not result.goal_met
+
+
 # --- what is refused before anything runs ---------------------------------------------------------------------------
 
 

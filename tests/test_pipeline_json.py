@@ -1,17 +1,20 @@
 """Pipelines as JSON: read, written, set from outside, refused clearly; the schema says the same as the parser."""
 
 import json
+import re
+from pathlib import Path
 
 import pytest
-from builders import sphere_surface
+from builders import jittered_cube, sphere_surface
 from jsonschema import Draft202012Validator
 
 import wct_plugin as wct
-from wct_plugin import pipeline_json
+from wct_plugin import chains, pipeline_json
 from wct_plugin.errors import InputError, OptionError, WctError
 from wct_plugin.pipeline import Pipeline
 from wct_plugin.pipeline_schema import schema
 
+DOCS = Path(__file__).parents[1] / "docs"
 QUALITY = {"type": "filters.get_quality"}
 LONG = [
     {"type": "readers.mesh", "filename": "a.vtu", "tag": "raw"},
@@ -105,6 +108,22 @@ def test_settings_name_a_stage_by_type_or_tag_and_values_are_json_or_text():
 def test_bad_settings(setting, message):
     with pytest.raises(OptionError, match=message):
         Pipeline.from_json(LONG, [setting])
+
+
+# --- the documentation ----------------------------------------------------------------------------------------------
+
+
+def test_the_pipelines_in_docs_are_pipelines(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```json\n(.*?)```", (DOCS / "pipelines.md").read_text(), re.DOTALL)
+    assert len(blocks) == 2
+    wct.write("bone.ply", sphere_surface(20))
+    wct.write("part.msh", jittered_cube(2, 0))
+    for block in blocks:
+        Draft202012Validator(schema()).validate(json.loads(block))
+        Pipeline.from_json(block).check(read=True)
+    table = (DOCS / "pipelines.md").read_text()
+    assert re.findall(r"^\| `([a-z-]+)` \|", table, re.MULTILINE) == chains.names()
 
 
 # --- what is no pipeline --------------------------------------------------------------------------------------------

@@ -1,9 +1,11 @@
 """Filters of other packages: installed by pip, found by entry point, named when they fail."""
 
 import json
+import re
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import pytest
 from builders import jittered_cube
@@ -14,31 +16,11 @@ from wct_plugin import cli
 from wct_plugin.errors import WctError
 from wct_plugin.pipeline_schema import schema
 
-GOOD = '''
-from dataclasses import replace
-
-from pydantic import Field
-
-from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Options
-
-
-class ShiftOptions(Options):
-    by: float = Field(1.0, gt=0, le=2, description="How far along x, in the mesh's unit")
-
-
-class Shift(Filter[ShiftOptions]):
-    """Shift the mesh along x."""
-
-    name = "apply_coord_shift"
-    takes = TetMesh
-    gives = TetMesh
-    declaration = ShiftOptions
-
-    def run(self, mesh, progress):
-        return replace(mesh, points=mesh.points + [self.options.by, 0.0, 0.0]), {"by": self.options.by}
-'''
+DOCS = Path(__file__).parents[1] / "docs/pipelines.md"
+#: The filter that the documentation shows.
+GOOD = re.findall(r"```python\n(.*?)```", DOCS.read_text(), re.DOTALL)[-1]
 BROKEN = "import no_such_dependency\n"
+LEAVING = "import sys\nsys.exit('no licence:\\nbuy one')\n"
 
 
 def wheel(folder, package, code, entry):
@@ -64,6 +46,7 @@ def installed(tmp_path_factory):
     wheels = [
         wheel(folder, "wct_shift", GOOD, "apply_coord_shift = wct_shift:Shift"),
         wheel(folder, "wct_broken", BROKEN, "meshing_broken = wct_broken:Broken"),
+        wheel(folder, "wct_leaving", LEAVING, "meshing_leaving = wct_leaving:Leaving"),
     ]
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--target"]
     subprocess.run([*command, folder / "site", *wheels], check=True, timeout=120, capture_output=True)
@@ -91,7 +74,7 @@ def test_it_is_listed_and_has_a_page_beside_one_that_fails(place, capsys):
     assert cli.run(["filters", "--json", "-"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert "no_such_dependency" in found["meshing_broken"]["error"]
-    assert found["apply_coord_shift"]["options"]["properties"]["by"]["maximum"] == 2
+    assert found["apply_coord_shift"]["options"]["properties"]["by"]["exclusiveMinimum"] == 0
 
 
 def test_it_runs_in_pipelines_and_in_python(place, capsys):
@@ -110,6 +93,7 @@ def test_it_runs_in_pipelines_and_in_python(place, capsys):
 def test_one_that_fails_to_import_is_named_and_the_others_work(place, capsys):
     message = "filters.meshing_broken (wct_broken:Broken) cannot be imported: ModuleNotFoundError: No module named"
     assert refused(capsys, "filters", "meshing_broken").startswith(message)
+    assert refused(capsys, "filters", "meshing_leaving").endswith("SystemExit: no licence: buy one")
     chain = place / "chain.json"
     chain.write_text('["cube.vtu", {"type": "filters.meshing_broken"}, "out.vtu"]')
     said = refused(capsys, "run", chain)

@@ -213,7 +213,9 @@ def mesher_within_tolerance(mesher: Filter[Options], *optimizers: Filter[Options
     A mesher that has none keeps the surface as it is.
     """
     epsilon = mesher.options.model_dump().get("epsilon")
-    given = [one.options.model_dump()["tolerance"] for one in optimizers if "tolerance" in one.options.model_fields_set]
+    given = [
+        getattr(one.options, "tolerance", None) for one in optimizers if "tolerance" in one.options.model_fields_set
+    ]
     tolerance = min((float(value) for value in given if value is not None), default=None)
     if tolerance is None or epsilon is None or epsilon <= tolerance / 2:
         return mesher

@@ -53,7 +53,7 @@ class StageResult:
     def options(self) -> dict[str, Any]:
         """Every option that counts, as the declaration itself dumps them, ready for JSON."""
         given = self.stage.options
-        return {name: plain(getattr(given, name)) for name in given.model_dump()}
+        return {name: plain(getattr(given, name)) for name in given.model_dump(warnings=False)}
 
     def size(self) -> str:
         """How large its mesh is, in words."""
