@@ -159,6 +159,14 @@ def test_a_filter_that_fails_is_named_and_nothing_is_written(place, capsys):
     assert sorted(path.name for path in place.iterdir()) == ["chain.json", "cube.vtu", "flat.ply"]
 
 
+def test_a_bug_in_a_filter_is_one_line_with_its_name(place, capsys, monkeypatch):
+    monkeypatch.setattr("wct_plugin.filters.get_quality.make_report", lambda *_, **__: 1 / 0)
+    name = chain(place, ["cube.vtu", {"type": "filters.get_quality"}, "out.vtu"])
+    said = refused(capsys, "run", name)
+    assert said.startswith("internal error in stage 2 of 3 (filters.get_quality), please report it: ZeroDivisionError")
+    assert not (place / "out.vtu").exists()
+
+
 def test_a_full_disk(small_disk, place, capsys):
     wct.write("big.vtu", jittered_cube(10, 0))
     name = chain(place, ["big.vtu", {"type": "filters.get_quality"}, str(small_disk / "out.vtu")])

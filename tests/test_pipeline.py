@@ -178,6 +178,18 @@ def test_reports_side_by_side_are_measured_against_one_reference(place):
     assert both["start"]["deviation"] == both["end"]["deviation"] != None  # noqa: E711
 
 
+class HurryOptions(Options):
+    goal: str = Field("soon", description="Not one of a mesh")
+
+
+class Hurry(Scale):
+    name = "hurry"
+    declaration = HurryOptions
+
+    def run(self, mesh, progress):
+        return mesh, {}
+
+
 class Refer(Scale):
     name = "refer"
 
@@ -208,6 +220,8 @@ def test_the_goal_that_counts_is_the_last_one_of_each_branch():
     start = wct.Reader(hopeless, tag="start")
     goals = (start | branches).execute().goals
     assert [(goal.goal, goal.missed) for goal in goals] == [("3wc", 1), ("cwc", 1)]
+    goals = (wct.Reader(hopeless) | move(goal="3wc") | Hurry()).execute().goals
+    assert [goal.goal for goal in goals] == ["3wc"]
     assert str(goals[0]) == "filters.apply_coord_well_centering: 1 of 1 tets miss the goal 3wc"
 
 

@@ -219,7 +219,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
         if os.environ.get("WCT_TRACEBACK"):
             raise
-        return fail(f"internal error, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
+        where = " ".join(["internal error", *getattr(error, "__notes__", [])])
+        return fail(f"{where}, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
     return code if isinstance(code, int) else GOAL_MET
 
 

@@ -17,7 +17,7 @@ from wct_plugin import pipeline_json
 from wct_plugin.ends import Reader, ReadMesh, Writer, writer_type
 from wct_plugin.errors import OptionError, WctError
 from wct_plugin.flow import Flow
-from wct_plugin.result import Result, StageResult
+from wct_plugin.result import Result, StageResult, goal_of
 from wct_plugin.stage import Filter, Kind, Mesh, Metrics, Options, ProgressCallback, Stage
 from wct_plugin.step import Step, find_stage, label, order, unnamed, upstream, wire
 
@@ -77,10 +77,10 @@ class Pipeline:
             raise OptionError(f"{label(self.steps, 0)}: has no input; put a reader or a file before it")
         within_tolerance(self.steps, wires)
         _check_outputs(self.steps)
+        _follow(self.steps, wires, {0: frozenset(kinds)} if self.is_open and kinds is not None else {})
         for index, step in enumerate(self.steps):
             with _named(self.steps, index):
                 step.stage.validate()
-        _follow(self.steps, wires, {0: frozenset(kinds)} if self.is_open and kinds is not None else {})
         if read and not self.is_open:
             _read(self.steps, wires, [0.0] * len(self.steps))
 
@@ -118,7 +118,7 @@ class Pipeline:
             StageResult(step.stage, step.tag, flows[index], metrics[index], seconds[index])
             for index, step in enumerate(steps)
         )
-        aims = [index for index, stage in enumerate(stages) if hasattr(stage.options, "goal")]
+        aims = [index for index, stage in enumerate(stages) if goal_of(stage)]
         passed = {before for index in aims for before in upstream(wires, index)}
         goals = (done[index].goal() for index in aims if index not in passed)
         return Result(done, tuple(goal for goal in goals if goal))
@@ -149,6 +149,9 @@ def _named(steps: Sequence[Step], index: int) -> Iterator[None]:
         yield
     except WctError as error:
         error.args = (f"{label(steps, index)}: {unnamed(str(error), steps[index].stage.type())}", *error.args[1:])
+        raise
+    except Exception as error:  # a bug, maybe another package's: whose it is helps
+        error.add_note(f"in {label(steps, index)}")
         raise
 
 

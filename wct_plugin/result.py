@@ -25,6 +25,12 @@ _FLAGS = {
 }
 
 
+def goal_of(stage: Stage[Options]) -> str | None:
+    """What a stage with an option ``goal`` aims at, if that is one of the flags of a tet."""
+    goal = getattr(stage.options, "goal", None)
+    return goal if goal in _FLAGS else None
+
+
 @dataclass(frozen=True)
 class Goal:
     """What a filter aimed at and how far the mesh it gave is from it."""
@@ -63,8 +69,8 @@ class StageResult:
 
     def goal(self) -> Goal | None:
         """The goal that a filter with an option of that name had, and whether its mesh meets it."""
-        goal, mesh = getattr(self.stage.options, "goal", None), self.flow.mesh
-        if goal not in _FLAGS or not isinstance(mesh, TetMesh):
+        goal, mesh = goal_of(self.stage), self.flow.mesh
+        if goal is None or not isinstance(mesh, TetMesh):
             return None
         good = getattr(quality.measure(mesh), _FLAGS[goal])
         return Goal(self.stage.type(), goal, len(good), int((~good).sum()))
