@@ -1,6 +1,6 @@
 """``filters.generate_tetrahedralization``: from a surface to tetrahedra."""
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
@@ -70,6 +70,7 @@ class GenerateTetrahedralization(Filter[TetrahedralizationOptions]):
     takes = SurfaceMesh
     gives = TetMesh
     declaration = TetrahedralizationOptions
+    example: ClassVar[dict[str, Any]] = {"edge_length": 0.1}
 
     def run(self, mesh: SurfaceMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options.model_dump(exclude={"mesher"})

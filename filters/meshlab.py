@@ -1,7 +1,7 @@
 """``filters.meshlab``: any of MeshLab's filters, or a script of them, on a surface."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -50,6 +50,7 @@ class Meshlab(Filter[MeshlabOptions]):
     takes = SurfaceMesh
     gives = SurfaceMesh
     declaration = MeshlabOptions
+    example: ClassVar[dict[str, Any]] = {"filter": "meshing_close_holes", "arguments": {"maxholesize": 50}}
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)

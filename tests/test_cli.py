@@ -15,6 +15,7 @@ import meshio
 import numpy as np
 import pytest
 from builders import ball, bcc, jittered_cube, single, sphere_surface
+from refusals import refused
 
 import wct_plugin as wct
 from wct_plugin import cli, quality
@@ -31,16 +32,6 @@ CUBE = jittered_cube(4, 0)
 def cube(tmp_path):
     wct.write(tmp_path / "cube.vtu", CUBE)
     return tmp_path / "cube.vtu"
-
-
-def refused(capsys, *arguments) -> str:
-    """Run, expect exit code 2 and one line on stderr, and give that line."""
-    assert cli.run([str(argument) for argument in arguments]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("error: ")
-    assert printed.err.count("\n") == 1
-    return printed.err[len("error: ") : -1]
 
 
 # --- optimize -------------------------------------------------------------------------------------------------------
