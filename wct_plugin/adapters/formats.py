@@ -49,6 +49,9 @@ FORMATS = (
     Format("OFF", (".off",), "", _ALL[1:2]),
 )
 
+#: What a dataset of pyvista can carry; it is no file.
+PYVISTA = Format("pyvista", (), "", _ALL, _ALL, point_data=True, cell_data=True, names=True)
+
 _BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.adapters import formats, obj, off, ply
-from wct_plugin.adapters.formats import Format
+from wct_plugin.adapters.formats import PYVISTA, Format
 from wct_plugin.adapters.meshio_load import overheard
 from wct_plugin.adapters.meshio_read import NAME, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.errors import OutputError, WctWarning
@@ -55,7 +55,7 @@ def write(path: str | Path, mesh: TetMesh | SurfaceMesh) -> None:
     """
     file = Path(path)
     form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
-    content, lost = _content(mesh, form)
+    content, lost = contents(mesh, form)
     with replacing(file) as temporary:
         try:
             lost += _write(temporary, form, mesh, content)
@@ -80,7 +80,7 @@ class _Block:
 
 
 @dataclass
-class _Content:
+class Content:
     """What meshio gets: arrays of our own, so that it may change them as it likes."""
 
     points: NDArray[np.float64]
@@ -92,6 +92,7 @@ class _Content:
     names: dict[str, NDArray[np.int64]]
 
     def mesh(self, **extra: Any) -> Any:
+        """All of it but the names as a meshio mesh."""
         import meshio
 
         return meshio.Mesh(
@@ -105,7 +106,8 @@ class _Content:
         )
 
 
-def _content(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[_Content, list[str]]:
+def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[str]]:
+    """What of the mesh the format can carry, as meshio wants it, and the names of all else."""
     lost: list[str] = []
     blocks = [block for block in _blocks(mesh) if _fits(block, form, lost)]
     points = np.array(mesh.points)
@@ -113,7 +115,7 @@ def _content(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[_Content, list[
         points = _rounded(points)
         if (points != mesh.points).any():
             lost.append("digits of coordinates beyond what 16 characters hold")
-    content = _Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {})
+    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {})
     _put_point_data(content, mesh, form, lost)
     _put_cell_data(content, blocks, form, lost)
     _put_tags(content, blocks, mesh, form, lost)
@@ -155,7 +157,7 @@ def _fits(block: _Block, form: Format, lost: list[str]) -> bool:
     return False
 
 
-def _put_point_data(content: _Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
+def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
     own = {"Medit": "medit:ref", "Nastran": "nastran:ref", "TetGen": "tetgen:ref"}.get(form.name)
     for name, values in mesh.point_data.items():
         if name == own and values.dtype.kind in "iu" and values.ndim == 1:
@@ -170,7 +172,7 @@ def _put_point_data(content: _Content, mesh: TetMesh | SurfaceMesh, form: Format
         content.point_data["medit:ref"] = np.zeros(len(mesh.points), dtype=np.int64)
 
 
-def _put_cell_data(content: _Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
+def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
     """One array for all blocks, as meshio wants it; zeros or NaN where a block has none."""
     for name in dict.fromkeys(name for block in blocks for name in block.data):
         owners = [block.data[name] for block in blocks if name in block.data]
@@ -193,7 +195,7 @@ def _put_cell_data(content: _Content, blocks: list[_Block], form: Format, lost: 
 
 
 def _put_tags(
-    content: _Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
+    content: Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
 ) -> None:
     # Under another name than a conventional one they would not be read as tags again.
     meant = mesh.tag_name if isinstance(mesh, TetMesh) and mesh.tag_name in TAGS else "gmsh:physical"
@@ -225,7 +227,7 @@ def _entities(block: _Block) -> NDArray[np.int64]:
     return gmsh_entities(block.tags)
 
 
-def _put_sets(content: _Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
+def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
     """Sets where the format has them, else arrays of 0 and 1; Abaqus has no tags, so these become sets there."""
     if form.sets:
         for block in blocks:
@@ -260,7 +262,7 @@ def _array(name: str, values: NDArray[Any], form: Format) -> NDArray[Any] | None
     if values.dtype.kind not in "biuf" or values.ndim > 2 or (values.ndim == 2 and not values.shape[1]):
         return None
     width = values.shape[1] if values.ndim == 2 else 1
-    array = np.array(values, dtype="u1" if values.dtype.kind == "b" else None)
+    array = np.array(values, dtype="u1" if values.dtype.kind == "b" and form is not PYVISTA else None)
     if array.dtype.itemsize not in (1, 2, 4, 8) or array.dtype == np.float16:
         array = array.astype(np.float64)
     match form.name:
@@ -291,7 +293,7 @@ def _attribute(name: str) -> str:
     return quoteattr(name, {'"': "&quot;"})[1:-1].encode("ascii", "xmlcharrefreplace").decode()
 
 
-def _write(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: _Content) -> list[str]:
+def _write(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content) -> list[str]:
     """Write the file; returns what meshio complains of on the way."""
     if isinstance(mesh, SurfaceMesh) and form.name in ("PLY", "OBJ", "OFF"):
         match form.name:
@@ -323,7 +325,7 @@ def _write(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: _Cont
     return said
 
 
-def _write_xdmf(path: Path, content: _Content) -> None:
+def _write_xdmf(path: Path, content: Content) -> None:
     """Meshio leaves its HDF5 file to the garbage collector, where a full disk goes unnoticed; so it gets none."""
     import h5py  # type: ignore[import-untyped]
     from meshio.xdmf.main import ET, XdmfWriter
@@ -345,7 +347,7 @@ def _write_xdmf(path: Path, content: _Content) -> None:
     path.write_bytes(ET.tostring(root))
 
 
-def _write_med(path: Path, content: _Content) -> None:
+def _write_med(path: Path, content: Content) -> None:
     """By way of memory, for the same reason."""
     from meshio import med
 
@@ -354,7 +356,7 @@ def _write_med(path: Path, content: _Content) -> None:
     path.write_bytes(buffer.getvalue())
 
 
-def _write_su2(path: Path, content: _Content) -> None:
+def _write_su2(path: Path, content: Content) -> None:
     """Meshio 5.3.5 fails on any boundary cell here."""
     cells = dict(content.cells)
     tags = dict(zip(cells, content.cell_data["su2:tag"], strict=True))
