@@ -10,7 +10,7 @@ import pytest
 
 from wct_plugin.adapters.meshio import read, write
 from wct_plugin.errors import WctWarning
-from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.stage import apply_filter
 
 
@@ -215,7 +215,14 @@ def test_other_formats_of_gmsh(suffix: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".mesh", ".med", ".bdf"])
-def test_gmsh_reads_our_other_formats(suffix: str, plain: TetMesh, tmp_path: Path) -> None:
-    write(tmp_path / f"a{suffix}", TetMesh(plain.points.round(9), plain.tets))
+def test_gmsh_reads_our_other_formats(suffix: str, full: TetMesh, tmp_path: Path) -> None:
+    """With a tag as the number of an entity, which is what gmsh makes of tags that come without names."""
+    facets, edges = Cells(full.facets.vertices, full.facets.tags), Cells(full.edges.vertices, full.edges.tags)
+    write(tmp_path / f"a{suffix}", TetMesh(full.points.round(9), full.tets, full.regions, facets, edges))
     gmsh.open(str(tmp_path / f"a{suffix}"))
-    assert len(gmsh.model.mesh.getElements(3)[1][0]) == len(plain.tets)
+    for dimension, tags in ((3, full.regions), (2, facets.tags), (1, edges.tags)):
+        found = {
+            int(entity): sum(map(len, gmsh.model.mesh.getElements(dimension, entity)[1]))
+            for _, entity in gmsh.model.getEntities(dimension)
+        }
+        assert found == dict(zip(*(one.tolist() for one in np.unique(tags, return_counts=True)), strict=True))

@@ -64,13 +64,16 @@ def test_a_grid_there_and_back(full: TetMesh) -> None:
 
 def test_cells_in_any_order_are_sorted_by_kind_with_their_data(plain: TetMesh) -> None:
     (a, b, c, d), (e, f, g, h) = plain.tets[:2].tolist()
-    cells = [[3, a, b, c], [4, a, b, c, d], [3, f, g, h], [4, e, f, g, h]]
-    grid = pv.UnstructuredGrid(np.concatenate(cells), [5, 10, 5, 10], plain.points)
-    grid.cell_data["gmsh:physical"] = np.array([7, 1, 8, 2])
+    cells = [[3, a, b, c], [4, a, b, c, d], [3, f, g, h], [2, a, b], [4, e, f, g, h], [1, a]]
+    types = [pv.CellType(code) for code in (5, 10, 7, 4, 10, 2)]  # a polygon, a polyline and a polyvertex among them
+    grid = pv.UnstructuredGrid(np.concatenate(cells), types, plain.points)
+    grid.cell_data["gmsh:physical"] = np.array([7, 1, 8, 3, 2, 4])
     mesh = from_pyvista(grid)
     assert isinstance(mesh, TetMesh)
     assert mesh.regions.tolist() == [1, 2]
     assert mesh.facets.tags.tolist() == [7, 8]
+    assert (mesh.edges.tags.tolist(), mesh.nodes.tags.tolist()) == ([3], [4])
+    assert (mesh.points[mesh.edges.vertices[0]] == plain.points[[a, b]]).all()
 
 
 def test_a_surface_there_and_back(surface: SurfaceMesh) -> None:

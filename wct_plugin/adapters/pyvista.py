@@ -24,7 +24,11 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.report import Report, make_report
 from wct_plugin.stage import Filter, find_filter
 
+#: VTK's types of cells by meshio's names, and the number of points each has.
 _TYPES = {"tetra": 10, "triangle": 5, "line": 3, "vertex": 1}
+_WIDTHS = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}
+#: Types of any number of points, which are one of these where the number fits: polygon, polyline, polyvertex.
+_ANY_NUMBER = {7: "triangle", 4: "line", 2: "vertex"}
 _OPTIMIZER = "meshing_well_centered"
 
 
@@ -47,17 +51,23 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     import meshio
 
     grid = dataset if isinstance(dataset, pv.UnstructuredGrid) else dataset.cast_to_unstructured_grid()
-    types, what = np.asarray(grid.celltypes), type(dataset).__name__
+    what = type(dataset).__name__
+    types, starts = np.array(grid.celltypes), np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
+    for code, kind in _ANY_NUMBER.items():
+        types[(types == code) & (np.diff(starts) == _WIDTHS[kind])] = _TYPES[kind]
     for code in np.setdiff1d(types, list(_TYPES.values())).tolist():
         raise InputError(
             f"{what}: has {(types == code).sum()} {pv.CellType(code).name.lower()} cells; "
             "allowed are tetra, triangle, line and vertex (triangulate() makes these of most others)"
         )
-    cells = {int(code): rows for code, rows in grid.cells_dict.items()}
-    present = [(kind, code) for kind, code in _TYPES.items() if code in cells]
+    connectivity = np.asarray(grid.cell_connectivity)
+    present = [(kind, code) for kind, code in _TYPES.items() if (types == code).any()]
     raw = meshio.Mesh(
         np.asarray(grid.points),
-        [(kind, cells[code]) for kind, code in present],
+        [
+            (kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])])
+            for kind, code in present
+        ],
         point_data={name: np.asarray(values) for name, values in grid.point_data.items()},
         cell_data={
             name: [np.asarray(values)[types == code] for _, code in present] for name, values in grid.cell_data.items()
