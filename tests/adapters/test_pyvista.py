@@ -138,7 +138,8 @@ def test_options_are_those_of_the_filter(plain: TetMesh) -> None:
 
 
 @pytest.mark.parametrize("mesher", ["tetwild", "tetgen"])
-def test_one_chain_from_surface_to_well_centered(mesher: str) -> None:
+def test_one_chain_from_surface_to_well_centered(mesher: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # where fTetWild leaves a file
     surface = pv.Icosphere(nsub=2)
     options = {"tetwild": {"edge_length_fac": 0.2, "quiet": True}, "tetgen": {"order": 1}}[mesher]
     with warnings.catch_warnings():
