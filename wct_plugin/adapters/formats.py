@@ -42,7 +42,7 @@ FORMATS = (
     Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3]),
     Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True),
     Format("SU2", (".su2",), "su2", _ALL[:2], _ALL[1:2], surface=False),
-    Format("TetGen", (".ele", ".node"), "tetgen", _ALL[:1], _ALL[:1], surface=False),
+    Format("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2], surface=False),
     Format("PLY", (".ply",), "", _ALL[1:2], _ALL[1:2], point_data=True, cell_data=True),
     Format("STL", (".stl",), "stl", _ALL[1:2]),
     Format("OBJ", (".obj",), "", _ALL[1:2]),

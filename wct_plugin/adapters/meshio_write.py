@@ -3,7 +3,7 @@
 import importlib
 import io
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.adapters import formats, obj, off, ply
+from wct_plugin.adapters import formats, obj, off, ply, tetgen_faces
 from wct_plugin.adapters.formats import PYVISTA, Format
 from wct_plugin.adapters.meshio_load import overheard
 from wct_plugin.adapters.meshio_read import NAME, SET, TAG_SET, TAGS, gmsh_entities
@@ -318,6 +318,8 @@ def _write(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Conte
                 _write_xdmf(path, content)
             case "MED":
                 _write_med(path, content)
+            case "TetGen":
+                return _write_tetgen(path, content)
             case _:
                 importlib.import_module(f"meshio.{form.module}").write(str(path), content.mesh())
                 if form.name == "VTU" and content.names:
@@ -354,6 +356,17 @@ def _write_med(path: Path, content: Content) -> None:
     buffer = io.BytesIO()
     med.write(buffer, content.mesh())
     path.write_bytes(buffer.getvalue())
+
+
+def _write_tetgen(path: Path, content: Content) -> list[str]:
+    from meshio import tetgen
+
+    cells = dict(content.cells)
+    tags = dict(zip(cells, content.cell_data["tetgen:ref"], strict=True))
+    tets = replace(content, cells=content.cells[:1], cell_data={"tetgen:ref": [tags["tetra"]]})
+    tetgen.write(str(path), tets.mesh())
+    no_facets = np.empty((0, 3), dtype=np.int64), np.empty(0, dtype=np.int64)
+    return tetgen_faces.write_facets(path, cells.get("triangle", no_facets[0]), tags.get("triangle", no_facets[1]))
 
 
 def _write_su2(path: Path, content: Content) -> None:
