@@ -1,16 +1,18 @@
 """Files we write, read by the programs they are for; gmsh has a file of its own, MeshLab is with the surfaces."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import pyvista as pv
+from builders import two_region_cube
 from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
 
 from wct_plugin.adapters.meshio import read, write
-from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh import Cells, TetMesh
 
 
 def _by_vtk(path: Path) -> Any:
@@ -43,17 +45,24 @@ def test_vtk_reads_cells_tags_data_and_sets(suffix: str, full: TetMesh, tmp_path
     assert np.flatnonzero(grid.cell_data["set:core"]).tolist() == [2, 9]
 
 
-def test_tetgen_refines_what_we_write(plain: TetMesh, tmp_path: Path) -> None:
-    regions = 3 + (plain.points[plain.tets].mean(axis=1)[:, 2] > 0.5)
-    write(tmp_path / "a.1.ele", TetMesh(plain.points, plain.tets, regions))
+def test_tetgen_refines_what_we_write(tmp_path: Path) -> None:
+    """With the regions' volumes and the facet markers' areas as they were."""
+    cube = two_region_cube(2)
+    skin = cube.topology.boundary
+    top = (cube.points[skin][:, :, 2] == 1).all(axis=1)
+    given = replace(cube, facets=Cells(skin, np.where(top, 6, 7)))
+    write(tmp_path / "a.1.ele", given)
     done = subprocess.run(
         ["tetgen", "-rzqa0.002", str(tmp_path / "a.1")], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.returncode == 0, done.stdout
     finer = read(tmp_path / "a.2.ele")
     assert isinstance(finer, TetMesh)
-    assert len(finer.tets) > 2 * len(plain.tets)
-    for mesh, tags in ((plain, regions), (finer, finer.regions)):
+    assert len(finer.tets) > 2 * len(cube.tets)
+    for mesh in (given, finer):
         edges = mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]]
         volumes = np.linalg.det(edges) / 6
-        assert [volumes[tags == tag].sum() for tag in (3, 4)] == pytest.approx([0.5, 0.5], abs=0.01)
+        assert [volumes[mesh.regions == tag].sum() for tag in (1, 2)] == pytest.approx([0.5, 0.5])
+        legs = mesh.points[mesh.facets.vertices[:, 1:]] - mesh.points[mesh.facets.vertices[:, :1]]
+        areas = np.linalg.norm(np.cross(legs[:, 0], legs[:, 1]), axis=1) / 2
+        assert [areas[mesh.facets.tags == tag].sum() for tag in (6, 7)] == pytest.approx([1, 5])
