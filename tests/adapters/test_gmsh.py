@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import gmsh
@@ -130,6 +131,34 @@ def test_a_cell_in_two_groups_keeps_the_second_as_a_set(version: float, tmp_path
     mesh = two_boxes(tmp_path / "a.msh", version, GROUPS | {"all": (3, 99, [1, 2])})
     assert set(mesh.regions) == {11, 12}
     assert {name: len(members) for name, members in mesh.tet_sets.items()} == {"all": len(mesh.tets)}
+
+
+@versions
+def test_groups_that_share_cells_are_groups_again(version: float, tmp_path: Path) -> None:
+    """All from gmsh's API, by our file and back into gmsh: which cells each group has, with data beside."""
+    shared = {"all": (3, 99, [1, 2]), "walls": (2, 98, [2, 3, 4]), "edges": (1, 97, [1, 2])}
+    mesh = two_boxes(tmp_path / "a.msh", version, GROUPS | shared)
+    wanted = measures_of_groups()
+    assert wanted["all", 3, 99] == pytest.approx(2)
+    mesh = replace(mesh, cell_data={"x": mesh.points[mesh.tets].mean(axis=1)[:, 0]})
+    write(tmp_path / "b.msh", mesh)
+    gmsh.open(str(tmp_path / "b.msh"))
+    assert measures_of_groups() == pytest.approx(wanted)
+    assert sum(map(len, gmsh.model.mesh.getElements(3)[1])) == len(mesh.tets)
+
+    again = read(tmp_path / "b.msh")
+    assert isinstance(again, TetMesh)
+    assert dict(again.names) == dict(mesh.names)
+    assert np.array_equal(again.points, mesh.points)
+    assert {tuple(row) for row in again.tets.tolist()} == {tuple(row) for row in mesh.tets.tolist()}
+    assert again.cell_data["x"] == pytest.approx(again.points[again.tets].mean(axis=1)[:, 0])
+    for name, members in mesh.tet_sets.items():
+        assert len(again.tet_sets[name]) == len(members)
+    for before, after in ((mesh.facets, again.facets), (mesh.edges, again.edges)):
+        assert sorted(after.tags) == sorted(before.tags)
+        for name, members in before.sets.items():
+            rows = {tuple(row) for row in before.vertices[members].tolist()}
+            assert {tuple(row) for row in after.vertices[after.sets[name]].tolist()} == rows
 
 
 def measures_of_groups() -> dict[tuple[str, int, int], float]:
