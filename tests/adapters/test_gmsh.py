@@ -198,13 +198,15 @@ def test_groups_go_through_the_optimizer(version: float, tmp_path: Path) -> None
         for name in dict.fromkeys(names.values()):
             tag = gmsh.model.addPhysicalGroup(dimension, [at for at, one in names.items() if one == name])
             gmsh.model.setPhysicalName(dimension, tag, name)
+    gmsh.model.addPhysicalGroup(3, [1, 2], name="all")
+    gmsh.model.addPhysicalGroup(2, list(found[2]), name="across")
     gmsh.option.setNumber("Mesh.MeshSizeMax", 0.25)
     gmsh.model.mesh.generate(3)
     gmsh.option.setNumber("Mesh.MshFileVersion", version)
     gmsh.write(str(tmp_path / "a.msh"))
     before = measures_of_groups()
     assert {name: measure for (name, *_), measure in before.items()} == pytest.approx(
-        {"left": 1, "right hand": 1, "in & out": 2, "interface": 1, "rail": 2, "probe": 1}
+        {"left": 1, "right hand": 1, "all": 2, "in & out": 2, "interface": 1, "across": 3, "rail": 2, "probe": 1}
     )
 
     mesh = read(tmp_path / "a.msh")

@@ -15,12 +15,13 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from wct_plugin import pipeline, quality
+from wct_plugin import quality
 from wct_plugin.adapters.formats import PYVISTA
 from wct_plugin.adapters.meshio_read import NAME, TAGS, from_meshio
 from wct_plugin.adapters.meshio_write import contents
 from wct_plugin.errors import InputError, OptionError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.pipeline import mesher_within_tolerance
 from wct_plugin.report import Report, make_report
 from wct_plugin.stage import Filter, find_filter
 
@@ -122,7 +123,8 @@ def _optimized(stages: list[Filter[Any]], dataset: pv.DataSet, regions: str | No
         both = np.column_stack([mesh.regions, _whole(mesh, regions)])
         pairs, index = np.unique(both, axis=0, return_inverse=True)
         mesh = replace(mesh, regions=index.ravel())
-    mesh, _ = pipeline.run(mesh, stages)
+    for stage in stages:
+        mesh, _ = stage(mesh)
     if regions is not None and pairs is not None and isinstance(mesh, TetMesh):
         tags, numbers = pairs[mesh.regions].T
         numbers = numbers.astype(mesh.cell_data[regions].dtype)
@@ -247,5 +249,5 @@ class SurfaceAccessor:
             Those of ``filters.meshing_well_centered``.
         """
         optimizer = _stage(_OPTIMIZER, options)
-        mesher = pipeline.mesher_within_tolerance(find_filter("generate_tetrahedralization")(), optimizer)
+        mesher = mesher_within_tolerance(find_filter("generate_tetrahedralization")(), optimizer)
         return _optimized([mesher, optimizer], self._surface)
