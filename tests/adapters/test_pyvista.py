@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import gmsh
@@ -127,6 +128,17 @@ def test_optimize_keeps_regions_facets_arrays_and_its_input(tmp_path: Path) -> N
     assert set(end.cell_data["gmsh:physical"]) == {6}
     assert end.area == pytest.approx(1)
     assert np.asarray(end.points)[:, 0] == pytest.approx(0)
+
+
+def test_the_tags_are_regions_whether_asked_for_or_not() -> None:
+    mesh = bcc(2)
+    below = mesh.points[mesh.tets].mean(axis=1)[:, 2] < 1
+    grid = to_pyvista(replace(mesh, regions=np.where(below, 4, 5)))
+    options = {"goal": "3wc", "boundary": "fixed"}
+    asked, plain = grid.wct.optimize(regions="gmsh:physical", **options), grid.wct.optimize(**options)
+    assert asked == plain
+    after = volumes(plain)[plain.cell_data["gmsh:physical"] == 4]
+    assert after.sum() == pytest.approx(volumes(grid)[below].sum())
 
 
 def test_options_are_those_of_the_filter(plain: TetMesh) -> None:

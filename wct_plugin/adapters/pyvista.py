@@ -118,6 +118,8 @@ def to_pyvista(mesh: TetMesh | SurfaceMesh) -> pv.UnstructuredGrid | pv.PolyData
 
 def _optimized(stages: list[Filter[Any]], dataset: pv.DataSet, regions: str | None = None) -> pv.UnstructuredGrid:
     mesh, pairs = from_pyvista(dataset), None
+    if isinstance(mesh, TetMesh) and regions == mesh.tag_name and regions not in mesh.cell_data:
+        regions = None  # the tags are the regions as it is
     if regions is not None and isinstance(mesh, TetMesh):
         # A region of its own for every pair of tag and number in the array, so that the interfaces of both are kept.
         both = np.column_stack([mesh.regions, _whole(mesh, regions)])
