@@ -14,8 +14,10 @@ from wct_plugin.adapters.meshio_load import load, refusing
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
+#: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
+ENTITIES = "gmsh:geometrical"
 #: Arrays that hold an integer tag per cell, by format; the first one present that is not all zero is the tags.
-TAGS = ("gmsh:physical", "medit:ref", "tetgen:ref", "cell_tags", "nastran:ref", "su2:tag", "gmsh:geometrical")
+TAGS = ("gmsh:physical", "medit:ref", "tetgen:ref", "cell_tags", "nastran:ref", "su2:tag", ENTITIES)
 #: Named sets are stored as arrays of 0 and 1 of this name where a format has arrays but no sets.
 SET = "set:"
 #: Tags are stored as sets TAG_tetra_5 where a format has sets but no tags.
@@ -216,7 +218,7 @@ def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
     for name in reversed(names):
         columns = [kind.data[name] for kind in kinds.values() if name in kind.data]
         # Zero is no tag; and every cell of a gmsh file has an entity, whether there is more than one or not.
-        says = any((column != column[0] if name == "gmsh:geometrical" else column).any() for column in columns)
+        says = any((column != column[0] if name == ENTITIES else column).any() for column in columns)
         if says and all(_whole(column).dtype.kind in "iu" for column in columns):
             chosen = name
         elif columns:
@@ -225,13 +227,9 @@ def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
     for kind in kinds.values():
         if chosen in kind.data:
             kind.tags = _whole(kind.data.pop(chosen)).astype(np.int64)
-    # gmsh files need an entity per cell; where it says no more than the tag, it is no data of the user's.
-    entities = [(kind.data.get("gmsh:geometrical"), kind.tags) for kind in kinds.values() if len(kind.cells)]
-    if "gmsh:geometrical" in names and all(
-        ids is None or tags is None or (ids == gmsh_entities(tags)).all() for ids, tags in entities
-    ):
+    if chosen != ENTITIES:  # gmsh's own bookkeeping then, made anew when written
         for kind in kinds.values():
-            kind.data.pop("gmsh:geometrical", None)
+            kind.data.pop(ENTITIES, None)
     return chosen
 
 

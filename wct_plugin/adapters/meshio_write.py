@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.adapters import formats
 from wct_plugin.adapters.formats import PYVISTA, Format
-from wct_plugin.adapters.meshio_read import SET, TAG_SET, TAGS, gmsh_entities
+from wct_plugin.adapters.meshio_read import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.adapters.meshio_save import Arrays, Content, attribute, save
 from wct_plugin.errors import OutputError, WctWarning
 from wct_plugin.files import replacing
@@ -148,8 +148,6 @@ def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: l
     """One array for all blocks, as meshio wants it; zeros or NaN where a block has none."""
     for name in dict.fromkeys(name for block in blocks for name in block.data):
         owners = [block.data[name] for block in blocks if name in block.data]
-        if name == "gmsh:geometrical" and form.name == "gmsh":
-            continue  # goes with the tags
         arrays = [_array(name, values, form) for values in owners] if form.cell_data else [None]
         if any(array is None for array in arrays) or len({values.shape[1:] for values in owners}) > 1:
             lost.append(f"cell data {name!r}")
@@ -176,27 +174,15 @@ def _put_tags(
         if (block.tags != kept).any():
             lost.append("regions" if block.kind == "tetra" else f"tags of {_CALLED[block.kind]}")
     key = _spelled(_TAG.get(form.name, meant), form)
-    if content.cell_data.pop(key, None) is not None:
-        lost.append(f"cell data {key!r}, whose name is that of the tags")
+    for name in dict.fromkeys((key, ENTITIES) if form.name == "gmsh" else (key,)):
+        if content.cell_data.pop(name, None) is not None:
+            lost.append(f"cell data {name!r}, whose name is that of the tags")
     if form.name == "gmsh":
-        groups = meant != "gmsh:geometrical"
+        groups = meant != ENTITIES
         content.cell_data[key] = [column if groups else np.zeros_like(column) for column in tags]
-        content.cell_data["gmsh:geometrical"] = [
-            _entities(block) if groups else gmsh_entities(block.tags) for block in blocks
-        ]
+        content.cell_data[ENTITIES] = [gmsh_entities(block.tags) for block in blocks]
     elif form.tagged and (form.name in _TAG or any(column.any() for column in tags)):
         content.cell_data[key] = [np.array(column) for column in tags]
-
-
-def _entities(block: _Block) -> NDArray[np.int64]:
-    """The gmsh entities the cells came with, as long as each has one tag still; else new ones, one per tag."""
-    ids = block.data.get("gmsh:geometrical")
-    if ids is not None and ids.dtype.kind in "iuf" and ids.ndim == 1 and (ids > 0).all():
-        entities = ids.astype(np.int64)
-        pairs = np.unique(np.column_stack([entities, block.tags]), axis=0)
-        if len(pairs) == len(np.unique(entities)):
-            return entities
-    return gmsh_entities(block.tags)
 
 
 def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
