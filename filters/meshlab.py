@@ -1,5 +1,6 @@
 """``filters.meshlab``: any of MeshLab's filters, or a script of them, on a surface."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -7,6 +8,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from wct_plugin.adapters import meshlab
+from wct_plugin.errors import OptionError
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 
@@ -60,18 +62,26 @@ class Meshlab(Filter[MeshlabOptions]):
             self._steps = [meshlab.Step(chosen.filter, where, chosen.arguments)]
         elif chosen.script is not None:
             self._steps = meshlab.read_script(chosen.script)
-        self._validated = False
+        self._asked = False
+        self._fault = ""  #: what pymeshlab cannot take, once it was asked
 
     def __call__(self, mesh: Any, progress: ProgressCallback | None = None) -> tuple[SurfaceMesh, Metrics]:
         """Run; the process that runs the filters checks them first, so none is started only for that."""
         self.check_takes(type(mesh))
         return self.run(mesh, progress or (lambda _: True))
 
-    def validate(self) -> None:
-        """Ask pymeshlab for the filters and their arguments; it takes a second, once."""
-        if not self._validated:
-            meshlab.check(self._steps)
-            self._validated = True
+    @classmethod
+    def prepare(cls, stages: Sequence[Any]) -> None:
+        """Ask pymeshlab for the filters and their arguments of all stages; it takes a second, once."""
+        new = [stage for stage in stages if not stage._asked]
+        faults = meshlab.check([stage._steps for stage in new]) if new else []
+        for stage, fault in zip(new, faults, strict=True):
+            stage._asked, stage._fault = True, fault
+
+    def validate(self) -> None:  # noqa: D102
+        self.prepare([self])
+        if self._fault:
+            raise OptionError(self._fault)
 
     def run(self, mesh: SurfaceMesh, progress: ProgressCallback) -> tuple[SurfaceMesh, Metrics]:  # noqa: D102
         progress(Progress("MeshLab", 0.0))

@@ -78,9 +78,11 @@ class Pipeline:
         within_tolerance(self.steps, wires)
         _check_outputs(self.steps)
         _follow(self.steps, wires, {0: frozenset(kinds)} if self.is_open and kinds is not None else {})
-        for index, step in enumerate(self.steps):
+        stages = [step.stage for step in self.steps]
+        for index, stage in enumerate(stages):
             with _named(self.steps, index):
-                step.stage.validate()
+                stage.prepare([one for one in stages if type(one) is type(stage)])
+                stage.validate()
         if read and not self.is_open:
             _read(self.steps, wires, [0.0] * len(self.steps))
 

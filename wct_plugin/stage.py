@@ -8,7 +8,7 @@ come from that one declaration. Filters register under the entry-point group ``w
 import difflib
 import reprlib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, ClassVar, Generic, TypeVar
@@ -70,6 +70,13 @@ class Stage(ABC, Generic[O_co]):
         """Check what needs more than the declaration: files, neighbours' names. Called before a pipeline runs anything.
 
         Raises :class:`WctError`. It may be called more than once.
+        """
+
+    @classmethod
+    def prepare(cls, stages: Sequence[Any]) -> None:
+        """Get at once what :meth:`validate` needs for all ``stages`` of this class in a pipeline; called before it.
+
+        For those that would otherwise each start a neighbour only to be told what it takes.
         """
 
     @classmethod

@@ -40,14 +40,15 @@ def read_script(path: str | Path) -> list[Step]:
     ]
 
 
-def check(steps: Sequence[Step]) -> None:
+def check(runs: Sequence[Sequence[Step]]) -> list[str]:
     """Ask pymeshlab for every filter, argument, type and declared range or choice, without a mesh.
 
-    Ranges that depend on the mesh (lengths, qualities) are checked when the filter's turn comes in :func:`run`.
-    Raises :class:`OptionError` for the first fault, in one line that says what is allowed.
+    Gives for each of the ``runs`` its first fault, in one line that says what is allowed, or an empty text. Ranges that
+    depend on the mesh (lengths, qualities) are checked when the filter's turn comes in :func:`run`.
     """
     with tempfile.TemporaryDirectory(prefix="wct_") as folder:
-        _ask(steps, Path(folder), None)
+        faults: list[str] = _ask(runs, Path(folder), None, "filters.meshlab")["faults"]
+    return faults
 
 
 def run(surface: SurfaceMesh, steps: Sequence[Step], timeout: float | None = None) -> tuple[SurfaceMesh, Log]:
@@ -81,7 +82,7 @@ def run(surface: SurfaceMesh, steps: Sequence[Step], timeout: float | None = Non
             np.savez(folder / "given.npz", **_arrays(surface))
         except OSError as error:
             raise NeighbourError(f"MeshLab cannot be given the surface: {folder}: {error.strerror or error}") from error
-        log = _ask(steps, folder, timeout)
+        log: Log = _ask([steps], folder, timeout, steps[0].where if len(steps) == 1 else "filters.meshlab")["steps"]
         with np.load(folder / "made.npz") as arrays:
             made = {key: arrays[key] for key in arrays.files}
     what = steps[-1].where
@@ -92,22 +93,22 @@ def run(surface: SurfaceMesh, steps: Sequence[Step], timeout: float | None = Non
     return carry(surface, bare, made, what), log
 
 
-def _ask(steps: Sequence[Step], folder: Path, timeout: float | None) -> Log:
-    """Run the child in ``folder``; it works on the surface there, and only checks where there is none."""
-    (folder / "steps.json").write_text(json.dumps([asdict(step) for step in steps]), encoding="utf-8")
+def _ask(runs: Sequence[Sequence[Step]], folder: Path, timeout: float | None, who: str) -> dict[str, Any]:
+    """Run the child in ``folder``; it does the one run on the surface there, and only checks where there is none."""
+    content = [[asdict(step) for step in steps] for steps in runs]
+    (folder / "runs.json").write_text(json.dumps(content), encoding="utf-8")
     # Without -P the working directory would be the first place to look for modules.
     command = [sys.executable, "-P", "-m", "wct_plugin.adapters.meshlab_child"]
-    child.run(command, folder, timeout, steps[0].where if len(steps) == 1 else "filters.meshlab")
+    child.run(command, folder, timeout, who)
     try:
-        answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
+        answer: dict[str, Any] = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
     except OSError as error:
         raise NeighbourError("MeshLab ended without a result") from error
     if "refused" in answer:
         raise OptionError(answer["refused"])
     if "failed" in answer:
         raise NeighbourError(answer["failed"])
-    log: Log = answer["steps"]
-    return log
+    return answer
 
 
 def _arrays(surface: SurfaceMesh) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """The other side of :mod:`wct_plugin.adapters.meshlab`: the one file that imports pymeshlab, run in a folder.
 
-It reads ``steps.json`` and, if there is one, ``given.npz``; it writes ``answer.json`` (``steps``, or ``refused`` or
-``failed`` with a message) and ``made.npz``.
+It reads ``runs.json``, lists of steps, and where there is one ``given.npz``, a surface for the one run; it writes
+``answer.json`` and ``made.npz``. The answer is ``steps`` (what was run), or without a surface ``faults`` (a message per
+run, empty where there is none), or ``refused`` or ``failed`` with a message.
 """
 
 import json
@@ -18,8 +19,16 @@ from wct_plugin.errors import NeighbourError, OptionError
 
 def main() -> None:
     """Check the steps; run them where there is a surface."""
+    # Meshes are loaded before anything can fail: after an exception pymeshlab's next load may die.
+    given = _load() if Path("given.npz").exists() else None
+    probes = [_probe(1.0), _probe(30.0)]
+    catalogue, runs = Catalogue(), json.loads(Path("runs.json").read_text(encoding="utf-8"))
+    answer: dict[str, Any]
     try:
-        answer: dict[str, Any] = {"steps": _work(json.loads(Path("steps.json").read_text(encoding="utf-8")))}
+        if given is None:
+            answer = {"faults": [_fault(steps, catalogue, probes) for steps in runs]}
+        else:
+            answer = {"steps": _run(given, runs[0], catalogue, probes)}
     except OptionError as error:
         answer = {"refused": str(error)}
     except NeighbourError as error:
@@ -27,23 +36,35 @@ def main() -> None:
     Path("answer.json").write_text(json.dumps(answer), encoding="utf-8")
 
 
-def _work(steps: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    # Meshes are loaded before anything can fail: after an exception pymeshlab's next load may die.
-    given = _load() if Path("given.npz").exists() else None
-    catalogue = Catalogue()
-    probes = [_probe(1.0), _probe(30.0)]
+def _calls(
+    steps: list[dict[str, Any]], catalogue: Catalogue, probes: list[pymeshlab.MeshSet]
+) -> list[tuple[str, dict[str, Any], dict[str, Any]]]:
+    """For each step pymeshlab's name, its arguments as pymeshlab takes them, and the step."""
     calls = []
     for step in steps:
         name = catalogue.find(step)
         calls.append((name, catalogue.arguments(name, step, probes), step))
-    log = []
-    if given is not None:
-        for name, arguments, step in calls:
-            if len(calls) > 1:
-                sys.stdout.buffer.write(f"{step['where']}\n".encode(errors="replace"))  # the last words of a crash
-                sys.stdout.flush()
-            log.append(_apply(given, name, arguments, step, catalogue))
-        _save(given)
+    return calls
+
+
+def _fault(steps: list[dict[str, Any]], catalogue: Catalogue, probes: list[pymeshlab.MeshSet]) -> str:
+    try:
+        _calls(steps, catalogue, probes)
+    except OptionError as error:
+        return str(error)
+    return ""
+
+
+def _run(
+    given: pymeshlab.MeshSet, steps: list[dict[str, Any]], catalogue: Catalogue, probes: list[pymeshlab.MeshSet]
+) -> list[dict[str, Any]]:
+    calls, log = _calls(steps, catalogue, probes), []
+    for name, arguments, step in calls:
+        if len(calls) > 1:
+            sys.stdout.buffer.write(f"{step['where']}\n".encode(errors="replace"))  # the last words of a crash
+            sys.stdout.flush()
+        log.append(_apply(given, name, arguments, step, catalogue))
+    _save(given)
     return log
 
 
