@@ -8,7 +8,8 @@ import json
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ from wct_plugin.pipeline import Pipeline
 from wct_plugin.report import Report, make_report
 from wct_plugin.report_page import html
 from wct_plugin.stage import Filter, Mesh, Options, filter_names, find_filter
-from wct_plugin.step import Step
+from wct_plugin.step import Step, unplaced
 
 #: The filters ``wct optimize`` may run, the default first.
 _OPTIMIZERS = ("meshing_well_centered", "apply_coord_well_centering")
@@ -120,10 +121,11 @@ def optimize(
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
         chain = _optimizing(source, filters, writers)
-        chain.check()
+        with _unplaced():
+            chain.check()
         write_text("-", pipeline_json.text(chain.to_json()))
         return GOAL_MET
-    with progress_bar() as progress:
+    with _unplaced(), progress_bar() as progress:
         result = _optimizing(mesh, filters, writers).execute(progress)
     optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
     flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
@@ -132,6 +134,16 @@ def optimize(
     else:
         print_before_after(*side_by_side(flows).values())
     return GOAL_MET if result.goal_met else GOAL_MISSED
+
+
+@contextmanager
+def _unplaced() -> Iterator[None]:
+    """Take the number of the stage from errors: who runs one filter never numbered any."""
+    try:
+        yield
+    except WctError as error:
+        error.args = (unplaced(str(error)), *error.args[1:])
+        raise
 
 
 def _optimizing(

@@ -45,6 +45,15 @@ def unnamed(message: str, type_name: str) -> str:
     return message.removeprefix(type_name).removeprefix(":").lstrip()
 
 
+def unplaced(message: str) -> str:
+    """A message without the place it may begin with, but with a filter's type: for those who wrote no pipeline."""
+    found = re.match(r"stage \d+ of \d+ \((.+?)\): ", message)
+    if not found:
+        return message
+    rest = message[found.end() :]
+    return f"{found[1]}: {rest}" if found[1].startswith("filters.") else rest
+
+
 def wire(steps: Sequence[Step]) -> list[list[int]]:
     """For each step the indices of those whose meshes it takes; the first may have none, though it needs one.
 
