@@ -33,7 +33,7 @@ class TetrahedralizationOptions(Options):
     stop_energy: float = Field(
         10.0, ge=3, description="fTetWild: stop when the worst AMIPS energy falls below (3 is a regular tet)"
     )
-    num_opt_iter: int = Field(80, ge=0, description="fTetWild: greatest number of its optimisation passes")
+    num_opt_iter: int = Field(80, ge=1, description="fTetWild: greatest number of its optimisation passes")
     radius_edge: float = Field(
         1.4, ge=1, description="TetGen: greatest ratio of circumradius to shortest edge; it may not end below 1.2"
     )

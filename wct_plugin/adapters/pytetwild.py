@@ -8,6 +8,7 @@ never runs in ours. This file is both sides: the parent calls :func:`tetrahedral
 import json
 import sys
 import tempfile
+import warnings
 from pathlib import Path
 from types import ModuleType
 
@@ -17,9 +18,9 @@ from numpy.typing import NDArray
 from wct_plugin import predicates
 from wct_plugin.adapters import child
 from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
-from wct_plugin.errors import InputError, NeighbourError
+from wct_plugin.errors import InputError, NeighbourError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.solid import check_thick
+from wct_plugin.solid import check_thick, label
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -62,6 +63,11 @@ def tetrahedralize(
     TetMesh
         Positively oriented, with ``reference`` and ``source`` set.
 
+    Warns
+    -----
+    WctWarning
+        If the surface has several tags, which fTetWild cannot keep.
+
     Raises
     ------
     OptionError
@@ -77,6 +83,13 @@ def tetrahedralize(
     check_at_least("num_opt_iter", num_opt_iter, 1)
     check_limit("timeout", timeout, "seconds")
     check_thick(surface, "fTetWild")
+    if len(tags := np.unique(surface.tags)) > 1:
+        warnings.warn(
+            f"{label(surface)}fTetWild drops the tags of the surface's triangles ({len(tags)} different ones); mesher "
+            "'tetgen' keeps them",
+            WctWarning,
+            stacklevel=2,
+        )
     options = {
         "edge_length_fac": float(edge_length),
         "epsilon": float(epsilon),
