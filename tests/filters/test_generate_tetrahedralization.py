@@ -1,11 +1,13 @@
 """A surface becomes tets, and travels on as what the boundary is measured against."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import sphere_surface, two_region_cube
 
 import wct_plugin as wct
-from wct_plugin.errors import InputError, OptionError
+from wct_plugin.errors import InputError, OptionError, WctWarning
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.stage import find_filter
 
@@ -61,10 +63,25 @@ def test_tetgen_s_regions_and_tags_survive_the_optimizer():
         assert np.abs(heights(one, 9) - 0.5).max() < 1e-12
 
 
-def test_each_mesher_refuses_the_other_s_options():
+def test_ftetwild_names_the_tags_it_drops():
+    ball = sphere_surface(50)
+    options = {"edge_length": 0.4, "epsilon": 0.02, "num_opt_iter": 1}
+    sides = replace(ball, tags=(ball.points[ball.triangles].mean(axis=1)[:, 2] > 0) + 4, source="ball.stl")
+    with pytest.warns(WctWarning) as told:
+        mesh, _ = wct.apply_filter("generate_tetrahedralization", sides, **options)
+    assert [str(each.message) for each in told] == [
+        "ball.stl: fTetWild drops the tags of the surface's triangles (2 different ones); mesher 'tetgen' keeps them"
+    ]
+    assert not len(mesh.facets)
+    one_tag = replace(ball, tags=np.full(len(ball.triangles), 7))  # says nothing: no warning
+    wct.apply_filter("generate_tetrahedralization", one_tag, **options)
+
+
+def test_options_out_of_range_or_of_the_other_mesher():
     for given, message in (
         ({"mesher": "tetgen", "epsilon": 5e-4}, "option 'epsilon' is for mesher 'ftetwild', not for 'tetgen'"),
         ({"keep_boundary": True}, "option 'keep_boundary' is for mesher 'tetgen', not for 'ftetwild'"),
+        ({"num_opt_iter": 0}, "option 'num_opt_iter' is 0; input should be greater than or equal to 1"),
         ({"mesher": "gmsh"}, "option 'mesher' is 'gmsh'; input should be 'ftetwild' or 'tetgen'"),
     ):
         with pytest.raises(OptionError) as caught:
