@@ -1,8 +1,10 @@
 """The accessor ``.wct``: pyvista finds it, grids go through it and come back with all they had."""
 
+import signal
 import subprocess
 import sys
 import warnings
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -148,6 +150,14 @@ def test_options_are_those_of_the_filter(plain: TetMesh) -> None:
         grid.wct.plot_bad("4wc")
 
 
+@pytest.fixture
+def own_interrupt() -> Iterator[None]:
+    """Python's answer to Ctrl-C, put back: in our own process fTetWild's library makes it end the process."""
+    yield
+    signal.signal(signal.SIGINT, signal.getsignal(signal.SIGINT))
+
+
+@pytest.mark.usefixtures("own_interrupt")
 @pytest.mark.parametrize("mesher", ["tetwild", "tetgen"])
 def test_one_chain_from_surface_to_well_centered(mesher: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)  # where fTetWild leaves a file
