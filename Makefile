@@ -1,5 +1,6 @@
 # make demo   a real surface through fTetWild, well-centered, measured, written
 # make test   the whole suite           make lint   style and types           make bench   ours and the peers side by side
+# make docs   docs/filters.md from the filters' declarations
 # Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
 
 PYTHON ?= python3
@@ -7,13 +8,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORE := $(wildcard wct_plugin/core/*.h wct_plugin/core/*.cpp)
 
-# Headers and venv for Debian's own Python; for the tests, the X and GL libraries that gmsh's and pymeshlab's wheels load.
+# Headers and venv for Debian's own Python; for the tests, TetGen and the X and GL libraries that gmsh's and pymeshlab's
+# wheels load.
 DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exists(sysconfig.get_path("include")+"/Python.h") else "python3-dev")') \
              $(shell $(PYTHON) -c 'import ensurepip' 2>/dev/null || echo python3-venv)
-DEB_TEST := libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
+DEB_TEST := tetgen libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: demo test bench lint clean
+.PHONY: demo test bench lint docs clean
 
 demo: $(VENV)/.demo
 	$(BIN)/wct optimize "$$($(BIN)/python -c 'import importlib.util as u; print(u.find_spec("pymeshlab").submodule_search_locations[0])')/tests/sample_meshes/bone.ply" \
@@ -27,6 +29,9 @@ lint: $(VENV)/.test
 	$(BIN)/ruff format --check .
 	$(BIN)/clang-format --dry-run --Werror $(CORE)
 	$(BIN)/mypy
+
+docs: $(VENV)/.test
+	$(BIN)/wct filters --markdown docs/filters.md
 
 # make bench [MESHES=folder] [SURFACES=folder of surfaces with the meshes' names] [TIMEOUT=seconds per tool and mesh]
 #            [MOST=tets at which the growth curve stops]: kernels.md, bench.md, growth.md in build/bench

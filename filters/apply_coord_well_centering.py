@@ -1,7 +1,7 @@
 """``filters.apply_coord_well_centering``: move vertices, nothing else."""
 
 from dataclasses import replace
-from typing import Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -47,6 +47,7 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
     takes = TetMesh
     gives = TetMesh
     declaration = CoordWellCenteringOptions
+    example: ClassVar[dict[str, Any]] = {"goal": "3wc", "boundary": "fixed"}
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options

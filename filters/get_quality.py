@@ -1,5 +1,7 @@
 """``filters.get_quality``: the report's numbers as metrics."""
 
+from typing import Any, ClassVar
+
 from pydantic import Field
 
 from wct_plugin.mesh import TetMesh
@@ -20,6 +22,7 @@ class GetQuality(Filter[QualityOptions]):
     takes = TetMesh
     gives = TetMesh
     declaration = QualityOptions
+    example: ClassVar[dict[str, Any]] = {"worst": 3}
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         return mesh, make_report(mesh, worst=self.options.worst).to_dict()

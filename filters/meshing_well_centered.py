@@ -2,7 +2,7 @@
 
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,7 +101,9 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     name = "meshing_well_centered"
     takes = TetMesh
     gives = TetMesh
+    measures = True
     declaration = MeshingOptions
+    example: ClassVar[dict[str, Any]] = {"tolerance": 2e-3, "goal": "3wc"}
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)

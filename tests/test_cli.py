@@ -15,6 +15,7 @@ import meshio
 import numpy as np
 import pytest
 from builders import ball, bcc, jittered_cube, single, sphere_surface
+from refusals import refused
 
 import wct_plugin as wct
 from wct_plugin import cli, quality
@@ -31,16 +32,6 @@ CUBE = jittered_cube(4, 0)
 def cube(tmp_path):
     wct.write(tmp_path / "cube.vtu", CUBE)
     return tmp_path / "cube.vtu"
-
-
-def refused(capsys, *arguments) -> str:
-    """Run, expect exit code 2 and one line on stderr, and give that line."""
-    assert cli.run([str(argument) for argument in arguments]) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("error: ")
-    assert printed.err.count("\n") == 1
-    return printed.err[len("error: ") : -1]
 
 
 # --- optimize -------------------------------------------------------------------------------------------------------
@@ -83,6 +74,23 @@ def test_a_surface_goes_through_the_mesher(tmp_path):
     assert "meshing_well_centered" in found["filters"]
 
 
+def test_a_surface_goes_through_tetgen(tmp_path, capsys):
+    wct.write(tmp_path / "ball.ply", sphere_surface(100))
+    arguments = ["optimize", tmp_path / "ball.ply", tmp_path / "ball.vtu", "--mesher", "tetgen"]
+    options = ["--mesher-edge-length", "0.2", "--mesher-min-dihedral", "5", "--tolerance", "0.02", "--goal", "3wc"]
+    assert cli.run([*map(str, arguments), *options]) == 0
+    assert "3WC" in capsys.readouterr().out
+    assert len(wct.read(tmp_path / "ball.vtu").tets) > 100
+    said = refused(capsys, *arguments, "--mesher-epsilon", "0.01")
+    assert said == "filters.generate_tetrahedralization: option 'epsilon' is for mesher 'ftetwild', not for 'tetgen'"
+    assert refused(capsys, *arguments, "--mesher-timeout", "0.01").startswith(
+        "filters.generate_tetrahedralization: TetGen was stopped after 0.01 s, its timeout"
+    )
+    said = refused(capsys, "optimize", tmp_path / "ball.vtu", tmp_path / "out.vtu", "--mesher", "tetgen")
+    assert said == f"--mesher is for surfaces; {tmp_path / 'ball.vtu'} has tets already"
+    assert not (tmp_path / "out.vtu").exists()
+
+
 def test_the_mesher_gets_half_of_the_tolerance_given():
     mesher, optimizer = find_filter("generate_tetrahedralization"), find_filter(cli._OPTIMIZERS[0])
 
@@ -95,6 +103,8 @@ def test_the_mesher_gets_half_of_the_tolerance_given():
     assert epsilon({"epsilon": 2e-4}, tolerance=4e-4) == 2e-4
     with pytest.raises(OptionError, match=r"'epsilon' is 0.001; of the tolerance of 0.001 it may take half, 0.0005"):
         epsilon({"epsilon": 1e-3}, tolerance=1e-3)
+    exact = mesher(mesher="tetgen")
+    assert mesher_within_tolerance(exact, optimizer(tolerance=1e-4)) is exact
 
 
 def test_the_reference_is_a_file_and_both_reports_are_about_it(tmp_path):

@@ -1,15 +1,15 @@
-"""Options are declared once and refused clearly; the registry knows our filters; a chain is checked before it runs."""
+"""Options are declared once and refused clearly; the registry knows ours and says what is wrong with others'."""
 
+from importlib.metadata import EntryPoint
 from typing import Literal
 
 import pytest
 from builders import jittered_cube, sphere_surface
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from wct_plugin import pipeline
 from wct_plugin.errors import OptionError, WctError
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Options, apply_filter, filter_names, find_filter
+from wct_plugin.stage import Filter, Options, apply_filter, filter_names, find_filter, parse_options
 
 
 class ShiftOptions(Options):
@@ -29,13 +29,26 @@ class Shift(Filter[ShiftOptions]):
         return mesh, {"by": self.options.by}
 
 
+class TaggedOptions(Options):
+    tag: str = Field("", description="Not to be had")
+
+
+class Tagged(Shift):
+    """Shift, with a label."""
+
+    name = "odd"
+    declaration = TaggedOptions
+
+
 def test_our_filters_are_registered():
     assert filter_names() == [
         "apply_coord_well_centering",
         "compute_scalar_by_well_centeredness",
+        "generate_boundary_surface",
         "generate_tetrahedralization",
         "get_quality",
         "meshing_well_centered",
+        "meshlab",
     ]
     for name in filter_names():
         found = find_filter(f"filters.{name}")
@@ -43,6 +56,20 @@ def test_our_filters_are_registered():
         assert found.summary().endswith((".", ":"))
         for field in found.declaration.model_fields.values():
             assert field.description
+
+
+def test_a_filter_is_validated_before_it_runs():
+    class Picky(Shift):
+        """Shift nothing."""
+
+        def validate(self):
+            raise OptionError("no such file")
+
+        def run(self, mesh, progress):
+            raise AssertionError
+
+    with pytest.raises(OptionError, match="no such file"):
+        Picky()(jittered_cube(2, 0))
 
 
 def test_defaults_and_given_options():
@@ -67,14 +94,59 @@ def test_bad_options_name_option_value_and_range(options, message):
     assert "\n" not in str(caught.value)
 
 
+class PairOptions(Options):
+    low: float = Field(0.0, description="Least")
+    high: float = Field(description="Greatest")
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.low > self.high:
+            raise ValueError("'low' must not be above 'high'")
+        return self
+
+
+def test_options_that_are_missing_or_do_not_fit_together():
+    for values, message in (({}, "here: option 'high' is missing"), ({"low": 2, "high": 1}, "here: 'low' must not be")):
+        with pytest.raises(OptionError, match=message):
+            parse_options(PairOptions, values, "here")
+
+
+def test_a_filter_validates_before_it_runs():
+    class Picky(Shift):
+        def validate(self):
+            raise OptionError("no such neighbour")
+
+    with pytest.raises(OptionError, match="no such neighbour"):
+        Picky()(jittered_cube(2, 0))
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("builders:bcc", "is not a wct_plugin.stage.Filter"),
+        ("test_stage:Shift", "calls itself 'shift'; both names must be the same"),
+        ("test_stage:Tagged", "has an option 'tag', which means something else in a pipeline"),
+    ],
+)
+def test_what_is_registered_as_a_filter_and_is_none(monkeypatch, value, message):
+    monkeypatch.setattr("wct_plugin.stage._entries", lambda: {"odd": EntryPoint("odd", value, "wct_plugin.filters")})
+    with pytest.raises(WctError, match=message):
+        find_filter("odd")
+
+
+def test_of_two_filters_of_one_name_neither_is_taken(monkeypatch):
+    entries = [EntryPoint("twin", f"{package}:Twin", "wct_plugin.filters") for package in ("one", "other")]
+    monkeypatch.setattr("wct_plugin.stage.entry_points", lambda group: entries)
+    with pytest.raises(WctError, match=r"filters.twin \(one:Twin and other:Twin\) is registered twice"):
+        find_filter("twin")
+
+
 def test_unknown_filter():
     with pytest.raises(OptionError, match=r"unknown filter 'get_qualty'; did you mean 'get_quality'\? \(allowed: "):
         find_filter("get_qualty")
 
 
 def test_a_filter_that_cannot_be_imported_is_named(monkeypatch):
-    from importlib.metadata import EntryPoint
-
     broken = EntryPoint("broken", "no_such_module_here:Filter", "wct_plugin.filters")
     monkeypatch.setattr("wct_plugin.stage._entries", lambda: {"broken": broken})
     with pytest.raises(WctError, match=r"filters.broken \(no_such_module_here:Filter\) cannot be imported: ModuleNotF"):
@@ -85,21 +157,6 @@ def test_a_surface_where_tets_are_needed():
     message = "filters.shift needs a tet mesh, here is a surface; put filters.generate_tetrahedralization before it"
     with pytest.raises(OptionError, match=message):
         Shift()(sphere_surface(20))
-
-
-def test_the_whole_chain_is_checked_before_anything_runs():
-    mesher = find_filter("generate_tetrahedralization")()
-    assert pipeline.check(type(sphere_surface(20)), [mesher, Shift()]) is TetMesh
-    with pytest.raises(OptionError, match="generate_tetrahedralization needs a surface, here is a tet mesh"):
-        pipeline.run(jittered_cube(3, 0), [Shift(), mesher])
-
-
-def test_a_chain_gives_each_filters_metrics():
-    mesh = jittered_cube(3, 0)
-    out, metrics = pipeline.run(mesh, [Shift(by=2), find_filter("get_quality")()])
-    assert out is mesh
-    assert metrics["shift"] == {"by": 2.0}
-    assert metrics["get_quality"]["tets"] == len(mesh.tets)
 
 
 def test_apply_filter_refuses_unknown_options():

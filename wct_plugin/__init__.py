@@ -4,6 +4,8 @@
 >>> mesh = wct.read("part.msh")  # doctest: +SKIP
 >>> mesh, metrics = wct.apply_filter("meshing_well_centered", mesh)  # doctest: +SKIP
 >>> wct.write("part.vtu", mesh)  # doctest: +SKIP
+>>> chain = wct.Reader("bone.ply") | wct.Filter.generate_tetrahedralization() | wct.Filter.meshing_well_centered()
+>>> result = (chain | wct.Writer("bone.vtu") | wct.Writer("bone.html")).execute()  # doctest: +SKIP
 """
 
 try:
@@ -15,20 +17,28 @@ except ImportError as error:
     ) from error
 
 from wct_plugin.adapters.meshio import read, write
+from wct_plugin.constructors import Filter, Reader, Writer
 from wct_plugin.errors import InputError, NeighbourError, OptionError, OutputError, WctError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+from wct_plugin.pipeline import Pipeline
+from wct_plugin.result import Result
 from wct_plugin.stage import apply_filter
 
 __all__ = [
     "Cells",
+    "Filter",
     "InputError",
     "NeighbourError",
     "OptionError",
     "OutputError",
+    "Pipeline",
+    "Reader",
+    "Result",
     "SurfaceMesh",
     "TetMesh",
     "WctError",
     "WctWarning",
+    "Writer",
     "apply_filter",
     "read",
     "write",

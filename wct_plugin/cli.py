@@ -4,39 +4,43 @@ Exit codes as in ruff: 0 done and goal met, 1 done and goal missed (the output i
 Results go to stdout; progress, warnings and errors to stderr, errors as one line.
 """
 
-import inspect
 import json
 import os
-import signal
 import sys
-import threading
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
-from types import FrameType
-from typing import Any, get_args
+from typing import Any
 
 import click
-from pydantic.fields import FieldInfo
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as ProgressBar
-from rich.table import Table
-from rich.text import Text
 
 import wct_plugin as wct
-from wct_plugin import files, pipeline
-from wct_plugin.adapters import formats
+from wct_plugin import cli_options, pipeline_json, stage_page
+from wct_plugin.cli_run import run_pipeline
+from wct_plugin.cli_show import (
+    GOAL_MET,
+    GOAL_MISSED,
+    check_outputs,
+    fail,
+    out,
+    print_before_after,
+    print_page,
+    print_report,
+    progress_bar,
+    show_warning,
+    table,
+    write_text,
+)
+from wct_plugin.ends import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
 from wct_plugin.errors import OptionError, WctError, WctWarning
+from wct_plugin.flow import side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.pipeline import Pipeline
 from wct_plugin.report import Report, make_report
 from wct_plugin.report_page import html
-from wct_plugin.stage import Filter, Mesh, Metrics, Options, Progress, ProgressCallback, filter_names, find_filter
-
-GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
+from wct_plugin.stage import Filter, Mesh, Options, filter_names, find_filter
+from wct_plugin.step import Step, unplaced
 
 #: The filters ``wct optimize`` may run, the default first.
 _OPTIMIZERS = ("meshing_well_centered", "apply_coord_well_centering")
@@ -44,166 +48,14 @@ _MESHER = "generate_tetrahedralization"
 _MESHER_PREFIX = "mesher_"
 
 
-def _width(stream: Any) -> int | None:
-    return None if stream.isatty() else 120  # a pipe has no width of its own; rich would take 80 and cut tables
-
-
-out = Console(highlight=False, width=_width(sys.stdout))
-err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
-
-
-# --- options from a filter's declaration ----------------------------------------------------------------------------
-
-
-def _click_type(field: FieldInfo) -> Any:
-    alternatives = [kind for kind in get_args(field.annotation) if kind is not type(None)] or [field.annotation]
-    return alternatives[0] if len(alternatives) == 1 and alternatives[0] in (int, float, bool) else str
-
-
-def _choices(field: FieldInfo) -> list[str]:
-    return [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
-
-
-def describe_default(field: FieldInfo) -> str:
-    """Give an option's default as the help prints it."""
-    return "none" if field.default is None else str(field.default)
-
-
-def describe_range(field: FieldInfo) -> str:
-    """Give an option's choices or bounds, as declared."""
-    if _choices(field):
-        return " | ".join(_choices(field))
-    signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-    bounds = [
-        f"{sign} {getattr(mark, name):g}"
-        for mark in field.metadata
-        for name, sign in signs.items()
-        if hasattr(mark, name)
-    ]
-    return ", ".join(bounds)
-
-
-def _fields(*names: str) -> dict[str, FieldInfo]:
-    found = [find_filter(name).declaration.model_fields.items() for name in reversed(names)]
-    return {option: field for fields in found for option, field in fields}
-
-
-def _filter_options(*names: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
-
-    Where two filters declare a field the help is the first one's; each checks the values it is given by itself.
-    """
-    fields = _fields(*names)
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option, field in reversed(fields.items()):
-            choices = "|".join(_choices(field))
-            range_and_default = ["" if choices else describe_range(field), f"default {describe_default(field)}"]
-            shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
-            flag = "--" + (prefix + option).replace("_", "-")
-            metavar = f"[{choices}]" if choices else None
-            command = click.option(flag, prefix + option, type=_click_type(field), metavar=metavar, help=shown)(command)
-        return command
-
-    return decorate
-
-
-def _given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
-    return {option: values[prefix + option] for option in _fields(*names) if values[prefix + option] is not None}
-
-
-# --- progress and Ctrl-C --------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def _progress() -> Iterator[ProgressCallback]:
-    """Show a bar on stderr; the first Ctrl-C asks the filter to stop and keep its best, the second one breaks."""
-    stop = threading.Event()
-
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        if stop.is_set():
-            raise KeyboardInterrupt
-        stop.set()  # and no more: the signal may have come in the middle of a print
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
-    with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
-        task = bar.add_task("", total=1.0, bad="")
-        before = signal.getsignal(signal.SIGINT)
-
-        def show(state: Progress) -> bool:
-            if state.bad is not None:  # only a filter that has a best so far can be asked to keep it
-                signal.signal(signal.SIGINT, interrupt)
-            bad = "" if state.bad is None else f"{state.bad} bad"
-            new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
-            bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
-            if stop.is_set():
-                err.print("stopping; the best so far is kept (Ctrl-C again to give up)")
-                return False
-            return True
-
-        try:
-            yield show
-        finally:
-            signal.signal(signal.SIGINT, before)
-
-
-# --- tables ---------------------------------------------------------------------------------------------------------
-
-
-def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    for index, name in enumerate(head):
-        table.add_column(name, justify="left" if index == 0 or left else "right", overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
-
-
-def _print_report(report: Report) -> None:
-    out.print(Text(report.headline(), style="bold"))
-    out.print(_table("Ranges", ("", "min", "max"), report.rows_ranges()))
-    out.print(_table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
-    out.print(_table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
-    out.print(_table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
-    for title, lines in report.text_histograms():
-        out.print(Text(title, style="bold"))
-        for line in lines:
-            out.print(Text(line))
-    if report.worst:
-        out.print(_table("Worst tets", report.worst_head(), report.rows_worst()))
-
-
-def _print_before_after(before: Report, after: Report) -> None:
-    rows = [(name, old, new) for (name, old), (_, new) in zip(before.rows_summary(), after.rows_summary(), strict=True)]
-    out.print(_table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
-    if left := after.left():
-        out.print(_table(*left, left=True))
-    for note in after.notes:
-        out.print(Text(note))
-
-
-def _report(mesh: Mesh, worst: int = 10, found: Metrics | None = None) -> Report:
+def _report(mesh: Mesh, worst: int) -> Report:
     find_filter("get_quality").check_takes(type(mesh))
     assert isinstance(mesh, TetMesh)
-    return make_report(mesh, worst, found)
+    return make_report(mesh, worst)
 
 
 def _meets(report: Report, goal: str) -> bool:
     return report.flags[goal] == report.tets
-
-
-def _write_text(path: str, text: str) -> None:
-    if path == "-":
-        click.echo(text)
-        return
-    with files.replacing(Path(path)) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-
-
-def _check_outputs(*paths: str | None) -> None:
-    for path in paths:
-        if path not in (None, "-"):
-            files.check_writable(Path(path))
 
 
 # --- commands -------------------------------------------------------------------------------------------------------
@@ -213,6 +65,9 @@ def _check_outputs(*paths: str | None) -> None:
 @click.version_option(package_name="wct_plugin")
 def cli() -> None:
     """Make tetrahedral meshes well-centered, and say how well-centered they are."""
+
+
+cli.add_command(run_pipeline)
 
 
 @cli.command()
@@ -226,47 +81,81 @@ def cli() -> None:
     show_default=True,
     help="What improves the tets; the options below are those of the default, `wct filters NAME` shows another's",
 )
-@_filter_options(*_OPTIMIZERS)
-@_filter_options(_MESHER, prefix=_MESHER_PREFIX)
+@cli_options.filter_options(*_OPTIMIZERS)
+@cli_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option("--html", "html_path", metavar="FILE", help="Write the reports before and after as one HTML page")
+@click.option("--print-pipeline", is_flag=True, help="Print the pipeline that does the same under `wct run`, and end")
 def optimize(
-    source: str, target: str, optimizer_name: str, json_path: str | None, html_path: str | None, **values: Any
+    source: str,
+    target: str,
+    optimizer_name: str,
+    json_path: str | None,
+    html_path: str | None,
+    print_pipeline: bool,
+    **values: Any,
 ) -> int:
-    """Improve the tets of IN and write OUT; a surface IN goes through fTetWild first.
+    """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
     Exit code 0: every tet meets the goal. 1: not every one, the best mesh is written. 2: nothing is written.
     """
-    optimizer = find_filter(optimizer_name)(**_given(values, *_OPTIMIZERS))
-    mesher_options = _given(values, _MESHER, prefix=_MESHER_PREFIX)
+    optimizer = find_filter(optimizer_name)(**cli_options.given(values, *_OPTIMIZERS))
+    mesher_options = cli_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
     mesher = find_filter(_MESHER)(**mesher_options)
-    _check_outputs(target, json_path, html_path)
-    formats.to_write(Path(target), volume=True)
+    reports = [
+        WriteReport(filename=path, **({} if Path(path).suffix.lower() == f".{form}" else {"format": form}))
+        for path, form in ((json_path, "json"), (html_path, "html"))
+        if path not in (None, "-")
+    ]
+    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target), *reports]
+    for writer in writers:  # before the file is read, which may take long
+        writer.validate()
+        writer.check_takes(TetMesh)
 
     mesh = wct.read(source)
-    chain: list[Filter[Options]] = []
+    filters = [optimizer]
     if isinstance(mesh, SurfaceMesh):
-        chain = [pipeline.mesher_within_tolerance(mesher, optimizer)]
+        filters = [mesher, optimizer]
     elif mesher_options:
-        flag = "--" + (_MESHER_PREFIX + next(iter(mesher_options))).replace("_", "-")
+        flag = cli_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
-    pipeline.check(type(mesh), [*chain, optimizer])
-    with _progress() as progress:
-        tets, mesher_metrics = pipeline.run(mesh, chain, progress)
-        done, metrics = pipeline.run(tets, [optimizer], progress)
-    assert isinstance(tets, TetMesh)
-    assert isinstance(done, TetMesh)
-    wct.write(target, done)
-    before = _report(replace(tets, reference=done.reference))
-    after = _report(replace(done, source=target), found=metrics[optimizer_name])
-    if json_path:
-        content = {"before": before.to_dict(), "after": after.to_dict(), "filters": mesher_metrics | metrics}
-        _write_text(json_path, json.dumps(content, indent=2))
-    if html_path:
-        _write_text(html_path, html([before, after], f"{source} → {target}"))
-    if json_path != "-":
-        _print_before_after(before, after)
-    return GOAL_MET if _meets(after, optimizer.options.model_dump()["goal"]) else GOAL_MISSED
+    if print_pipeline:
+        chain = _optimizing(source, filters, writers)
+        with _unplaced():
+            chain.check()
+        write_text("-", pipeline_json.text(chain.to_json()))
+        return GOAL_MET
+    with _unplaced(), progress_bar() as progress:
+        result = _optimizing(mesh, filters, writers).execute(progress)
+    optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
+    flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
+    if json_path == "-":
+        write_text("-", json.dumps(report_content(flows), indent=2))
+    else:
+        print_before_after(*side_by_side(flows).values())
+    return GOAL_MET if result.goal_met else GOAL_MISSED
+
+
+@contextmanager
+def _unplaced() -> Iterator[None]:
+    """Take the number of the stage from errors: who runs one filter never numbered any."""
+    try:
+        yield
+    except WctError as error:
+        error.args = (unplaced(str(error)), *error.args[1:])
+        raise
+
+
+def _optimizing(
+    source: str | Mesh, filters: Sequence[Filter[Options]], writers: Sequence[Writer[FileOptions]]
+) -> Pipeline:
+    """What ``wct optimize`` runs: the last of ``filters`` is the one that stands between before and after."""
+    tags = ("before", "after") if len(writers) > 1 else ("", "")
+    mesh_writer, *report_writers = writers
+    *made, optimizer = filters
+    *others, last = (ReadMesh(filename=source), *made)
+    steps = [*map(Step, others), Step(last, tags[0]), Step(optimizer), Step(mesh_writer, tags[1])]
+    return Pipeline([*steps, *(Step(writer, inputs=tags) for writer in report_writers)])
 
 
 @cli.command()
@@ -277,58 +166,52 @@ def optimize(
 @click.option("--goal", type=click.Choice(["3wc", "cwc"]), help="Exit with 1 unless every tet of every FILE meets it")
 def report(sources: Sequence[str], json_path: str | None, html_path: str | None, worst: int, goal: str | None) -> int:
     """Measure tet meshes: ranges, tiers, flags, histograms, and the worst tets with their place."""
-    _check_outputs(json_path, html_path)
+    check_outputs(json_path, html_path)
     reports = []
     for source in sources:
         reports.append(_report(wct.read(source), worst))
     if html_path:
-        _write_text(html_path, html(reports, ", ".join(sources)))
+        write_text(html_path, html(reports, ", ".join(sources)))
     if json_path:
         found = [one.to_dict() for one in reports]
-        _write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
+        write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
     if json_path != "-":
         for one in reports:
-            _print_report(one)
+            print_report(one)
     return GOAL_MET if goal is None or all(_meets(one, goal) for one in reports) else GOAL_MISSED
 
 
 @cli.command()
 @click.argument("name", required=False)
 @click.option("--json", "json_path", metavar="FILE", help="Write the declarations as JSON schema (- for stdout)")
-def filters(name: str | None, json_path: str | None) -> int:
+@click.option("--markdown", "markdown_path", metavar="FILE", help="Write the filters' pages as Markdown (- for stdout)")
+def filters(name: str | None, json_path: str | None, markdown_path: str | None) -> int:
     """List the filters, or print one filter's page: what it does, its options, their ranges and defaults."""
-    _check_outputs(json_path)
-    names = [name] if name else filter_names()
-    found = [find_filter(one) for one in names]
+    check_outputs(json_path, markdown_path)
+    found: dict[str, type[Filter[Options]]] = {}
+    broken: dict[str, str] = {}
+    for one in [name] if name else filter_names():
+        try:
+            found[one] = find_filter(one)
+        except WctError as error:  # another package's; the list has a line that says so
+            if name:
+                raise
+            broken[one] = str(error)
     if json_path:
-        schema = {one.name: {"summary": one.summary(), "options": one.declaration.model_json_schema()} for one in found}
-        _write_text(json_path, json.dumps(schema, indent=2))
-    if json_path == "-":
+        schema: dict[str, Any] = {one: {"error": message} for one, message in broken.items()}
+        for stage in found.values():
+            schema[stage.name] = {"summary": stage.summary(), "options": stage.declaration.model_json_schema()}
+        write_text(json_path, json.dumps(schema, indent=2))
+    if markdown_path:
+        write_text(markdown_path, stage_page.markdown(found.values()))
+    if "-" in (json_path, markdown_path):
         return GOAL_MET
-    if name is None:
-        out.print(_table("Filters", ("filter", "does"), [(one.name, one.summary()) for one in found], left=True))
+    if name:
+        print_page(*found.values())
         return GOAL_MET
-    _print_page(found[0])
+    lines = {one: stage.summary() for one, stage in found.items()} | broken
+    out.print(table("Filters", ("filter", "does"), sorted(lines.items()), left=True))
     return GOAL_MET
-
-
-def _print_page(stage: type[Filter[Options]]) -> None:
-    kinds = {TetMesh: "tet mesh", SurfaceMesh: "surface"}
-    out.print(Text(f"filters.{stage.name}", style="bold"), Text(f"({kinds[stage.takes]} -> {kinds[stage.gives]})"))
-    out.print(Text(inspect.cleandoc(stage.__doc__ or "")))
-    fields = stage.declaration.model_fields.items()
-    rows = [(name, describe_default(field), describe_range(field), field.description or "") for name, field in fields]
-    out.print(_table("Options", ("option", "default", "allowed", "what"), rows, left=True))
-
-
-def _fail(message: str) -> int:
-    err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
-    return FAILED
-
-
-def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-    if issubclass(category, WctWarning):
-        err.print(Text("warning: ", style="yellow") + Text(" ".join(str(message).split())), soft_wrap=True)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -337,18 +220,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # other packages' warnings are for programmers
             warnings.simplefilter("always", WctWarning)
-            warnings.showwarning = _show_warning
+            warnings.showwarning = show_warning
             code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
     except click.ClickException as error:
-        return _fail(error.format_message())
+        return fail(error.format_message())
     except WctError as error:
-        return _fail(str(error))
+        return fail(str(error))
     except (KeyboardInterrupt, click.Abort):
-        return _fail("interrupted; nothing was written")
+        return fail("interrupted; nothing was written")
     except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
         if os.environ.get("WCT_TRACEBACK"):
             raise
-        return _fail(f"internal error, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
+        where = " ".join(["internal error", *getattr(error, "__notes__", [])])
+        return fail(f"{where}, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
     return code if isinstance(code, int) else GOAL_MET
 
 

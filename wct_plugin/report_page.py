@@ -72,6 +72,14 @@ def html(reports: Sequence[Report], title: str) -> str:
     )
 
 
+def check_available() -> None:
+    """Raise :class:`wct_plugin.errors.WctError` without matplotlib."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise WctError("the HTML page needs matplotlib: pip install 'wct_plugin[report]'") from None
+
+
 def _side_by_side(title: str, names: list[str], tables: list[list[tuple[str, list[str]]]], columns: list[str]) -> str:
     """The reports' rows joined by name; ``columns`` are repeated for each report."""
     head = [["", *(name for name in names for _ in columns)]]
@@ -95,11 +103,10 @@ def _table(head: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> str:
 
 def _figure(reports: Sequence[Report], names: list[str]) -> str:
     """The three histograms as inline SVG, the reports over one another, in percent of each mesh's own."""
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise WctError("the HTML page needs matplotlib: pip install 'wct_plugin[report]'") from None
+    check_available()
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
     style = rc_context(
         {
             "text.color": _INK,

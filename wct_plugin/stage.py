@@ -8,7 +8,7 @@ come from that one declaration. Filters register under the entry-point group ``w
 import difflib
 import reprlib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, ClassVar, Generic, TypeVar
@@ -19,9 +19,13 @@ from wct_plugin.errors import OptionError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 Mesh = TetMesh | SurfaceMesh
+Kind = type[TetMesh] | type[SurfaceMesh]
 Metrics = dict[str, Any]
 
 GROUP = "wct_plugin.filters"
+
+#: What a pipeline says about any stage; no option may have one of these names.
+RESERVED = ("type", "tag", "inputs")
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,7 @@ ProgressCallback = Callable[[Progress], bool | None]
 
 
 class Options(BaseModel):
-    """Base of every filter's options: unknown names are refused, values are checked, the instance is frozen."""
+    """Base of every stage's options: unknown names are refused, values are checked, the instance is frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -46,24 +50,62 @@ class Options(BaseModel):
 O_co = TypeVar("O_co", bound=Options, covariant=True)
 
 
-class Filter(ABC, Generic[O_co]):
+class Stage(ABC, Generic[O_co]):
+    """What readers, filters and writers have in common: a name, a declaration and checked options.
+
+    Subclasses set :attr:`name` and :attr:`declaration` and say in the first line of their docstring what they do.
+    Raises :class:`OptionError` for unknown options and values out of range.
+    """
+
+    family: ClassVar[str]  #: readers, filters or writers
+    name: ClassVar[str]
+    declaration: ClassVar[type[Options]]
+    #: Options that a page shows as an example; those without a default must be among them.
+    example: ClassVar[Mapping[str, Any]] = {}
+
+    def __init__(self, **options: Any) -> None:
+        self.options: O_co = parse_options(self.declaration, options, self.type())  # type: ignore[assignment]
+
+    def validate(self) -> None:
+        """Check what needs more than the declaration: files, neighbours' names. Called before a pipeline runs anything.
+
+        Raises :class:`WctError`. It may be called more than once.
+        """
+
+    @classmethod
+    def prepare(cls, stages: Sequence[Any]) -> None:
+        """Get at once what :meth:`validate` needs for all ``stages`` of this class in a pipeline; called before it.
+
+        For those that would otherwise each start a neighbour only to be told what it takes.
+        """
+
+    @classmethod
+    def type(cls) -> str:
+        """The stage's name in a pipeline, such as ``filters.get_quality``."""
+        return f"{cls.family}.{cls.name}"
+
+    @classmethod
+    def summary(cls) -> str:
+        """What the stage does, in one line."""
+        return (cls.__doc__ or "").strip().splitlines()[0]
+
+
+class Filter(Stage[O_co]):
     """One filter with checked options; :meth:`run` gives a new mesh and its metrics and never changes its input.
 
     Subclasses set :attr:`name`, :attr:`takes`, :attr:`gives`, :attr:`declaration` and say in the first line of their
     docstring what they do. Raises :class:`OptionError` for unknown options and values out of range.
     """
 
-    name: ClassVar[str]
-    takes: ClassVar[type[TetMesh] | type[SurfaceMesh]]
-    gives: ClassVar[type[TetMesh] | type[SurfaceMesh]]
-    declaration: ClassVar[type[Options]]
-
-    def __init__(self, **options: Any) -> None:
-        self.options: O_co = parse_options(self.declaration, options, f"filters.{self.name}")  # type: ignore[assignment]
+    family = "filters"
+    takes: ClassVar[Kind]
+    gives: ClassVar[Kind]
+    measures: ClassVar[bool] = False  #: whether its metrics are what :func:`~wct_plugin.report.make_report` can reuse
 
     def __call__(self, mesh: Mesh, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
-        """Check that ``mesh`` is of the kind the filter takes, then run."""
+        """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run."""
         self.check_takes(type(mesh))
+        self.validate()
         return self.run(mesh, progress or _silent)
 
     @abstractmethod
@@ -71,24 +113,32 @@ class Filter(ABC, Generic[O_co]):
         """Give the new mesh and a JSON-able dict of metrics."""
 
     @classmethod
-    def check_takes(cls, kind: type[Mesh]) -> None:
+    def check_takes(cls, kind: Kind) -> None:
         """Raise :class:`OptionError` unless the filter takes meshes of ``kind``."""
-        if issubclass(kind, cls.takes):
-            return
-        hint = "; put filters.generate_tetrahedralization before it" if kind is SurfaceMesh else ""
-        raise OptionError(f"filters.{cls.name} needs {_KINDS[cls.takes]}, here is {_KINDS[kind]}{hint}")
-
-    @classmethod
-    def summary(cls) -> str:
-        """What the filter does, in one line."""
-        return (cls.__doc__ or "").strip().splitlines()[0]
+        check_kind(cls.type(), cls.takes, kind)
 
 
-_KINDS: Mapping[type, str] = {TetMesh: "a tet mesh", SurfaceMesh: "a surface"}
+#: Each kind of mesh in words.
+KINDS: Mapping[Kind, str] = {TetMesh: "a tet mesh", SurfaceMesh: "a surface"}
+_BRIDGES: Mapping[Kind, str] = {SurfaceMesh: "generate_tetrahedralization", TetMesh: "generate_boundary_surface"}
+
+
+def check_kind(owner: str, needed: Kind, kind: Kind) -> None:
+    """Raise :class:`OptionError` unless ``kind`` is what ``owner`` needs; it names the filter that gives that."""
+    if issubclass(kind, needed):
+        return
+    hint = f"; put filters.{_BRIDGES[kind]} before it" if _BRIDGES[kind] in filter_names() else ""
+    raise OptionError(f"{owner} needs {KINDS[needed]}, here is {KINDS[kind]}{hint}")
 
 
 def _silent(_: Progress) -> bool:
     return True
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Name the nearest of the ``known`` names, if one is near, as the rest of an error's message."""
+    near = difflib.get_close_matches(name, list(known), 1)
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -> Options:
@@ -99,18 +149,33 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
         fault = error.errors(include_url=False)[0]
     option = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        known = list(model.model_fields)
-        near = difflib.get_close_matches(option, known, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise OptionError(f"{owner}: unknown option {option!r}{hint} (allowed: {', '.join(known) or 'none'})")
+        raise unknown_option(model, option, owner)
+    if fault["type"] == "missing":
+        raise OptionError(f"{owner}: option {option!r} is missing")
     message = fault["msg"].removeprefix("Value error, ")
+    if not option:  # it is about several of them
+        raise OptionError(f"{owner}: {message}")
     given = fault["input"]
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
     raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")
 
 
+def unknown_option(model: type[Options], option: str, owner: str) -> OptionError:
+    """The error that says which options ``owner`` has."""
+    known = list(model.model_fields)
+    hint = did_you_mean(option, known)
+    return OptionError(f"{owner}: unknown option {option!r}{hint} (allowed: {', '.join(known) or 'none'})")
+
+
 def _entries() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name)}
+    """Every registered filter by name; of two of one name, the one that is refused when it is looked up."""
+    found: dict[str, EntryPoint] = {}
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
+        first = found.get(entry.name)
+        if first and first.value != entry.value:
+            entry = EntryPoint(entry.name, f"{first.value} and {entry.value}", GROUP)
+        found[entry.name] = entry
+    return found
 
 
 def filter_names() -> list[str]:
@@ -126,18 +191,21 @@ def find_filter(name: str) -> type[Filter[Options]]:
     entries = _entries()
     short = name.removeprefix("filters.")
     if short not in entries:
-        near = difflib.get_close_matches(short, entries, 1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise OptionError(f"unknown filter {name!r}{hint} (allowed: {', '.join(entries)})")
+        raise OptionError(f"unknown filter {name!r}{did_you_mean(short, entries)} (allowed: {', '.join(entries)})")
     entry = entries[short]
+    owner = f"filters.{short} ({entry.value})"
+    if " and " in entry.value:
+        raise WctError(f"{owner} is registered twice; uninstall one of the two packages")
     try:
         found = entry.load()
-    except Exception as error:  # a third party's import may fail in any way; the user wants to know whose it was
-        raise WctError(
-            f"filters.{short} ({entry.value}) cannot be imported: {type(error).__name__}: {error}"
-        ) from error
+    except (Exception, SystemExit) as error:  # a third party's import may fail in any way; whose it was must be said
+        raise WctError(f"{owner} cannot be imported: {type(error).__name__}: {' '.join(str(error).split())}") from error
     if not (isinstance(found, type) and issubclass(found, Filter)):
-        raise WctError(f"filters.{short} ({entry.value}) is not a wct_plugin.stage.Filter")
+        raise WctError(f"{owner} is not a wct_plugin.stage.Filter")
+    if found.name != short:
+        raise WctError(f"{owner} calls itself {found.name!r}; both names must be the same")
+    if taken := [option for option in found.declaration.model_fields if option in RESERVED]:
+        raise WctError(f"{owner} has an option {taken[0]!r}, which means something else in a pipeline")
     return found
 
 

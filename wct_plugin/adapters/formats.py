@@ -42,12 +42,15 @@ FORMATS = (
     Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3]),
     Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True),
     Format("SU2", (".su2",), "su2", _ALL[:2], _ALL[1:2], surface=False),
-    Format("TetGen", (".ele", ".node"), "tetgen", _ALL[:1], _ALL[:1], surface=False),
+    Format("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2], surface=False),
     Format("PLY", (".ply",), "", _ALL[1:2], _ALL[1:2], point_data=True, cell_data=True),
     Format("STL", (".stl",), "stl", _ALL[1:2]),
     Format("OBJ", (".obj",), "", _ALL[1:2]),
     Format("OFF", (".off",), "", _ALL[1:2]),
 )
+
+#: What a dataset of pyvista can carry; it is no file.
+PYVISTA = Format("pyvista", (), "", _ALL, _ALL, point_data=True, cell_data=True, names=True)
 
 _BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from wct_plugin.adapters import tetgen_faces
 from wct_plugin.adapters.formats import Format
 from wct_plugin.adapters.meshio_mend import mend
 from wct_plugin.errors import InputError
@@ -34,6 +35,8 @@ def load(file: Path, form: Format) -> tuple[Any, list[str]]:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)
         _check_count(raw, file, form)
+        if form.name == "TetGen":
+            tetgen_faces.add_facets(raw, file)
     return raw, said
 
 

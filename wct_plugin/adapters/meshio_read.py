@@ -14,8 +14,10 @@ from wct_plugin.adapters.meshio_load import load, refusing
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
+#: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
+ENTITIES = "gmsh:geometrical"
 #: Arrays that hold an integer tag per cell, by format; the first one present that is not all zero is the tags.
-TAGS = ("gmsh:physical", "medit:ref", "tetgen:ref", "cell_tags", "nastran:ref", "su2:tag", "gmsh:geometrical")
+TAGS = ("gmsh:physical", "medit:ref", "tetgen:ref", "cell_tags", "nastran:ref", "su2:tag", ENTITIES)
 #: Named sets are stored as arrays of 0 and 1 of this name where a format has arrays but no sets.
 SET = "set:"
 #: Tags are stored as sets TAG_tetra_5 where a format has sets but no tags.
@@ -73,7 +75,7 @@ def _read(file: Path, form: formats.Format, source: str) -> tuple[TetMesh | Surf
     lost: list[str] = []
     if form.module:
         raw, lost = load(file, form)
-        return _mesh(raw, form, lost, source), lost
+        return from_meshio(raw, form, lost, source), lost
     with refusing(form):
         match form.name:
             case "PLY":
@@ -113,7 +115,13 @@ class _Kind:
         return Cells(self.cells, self.tags, self.data, self.sets)  # type: ignore[arg-type]  # None stands for zeros
 
 
-def _mesh(raw: Any, form: formats.Format, lost: list[str], source: str) -> TetMesh | SurfaceMesh:
+def from_meshio(
+    raw: Any, form: formats.Format, lost: list[str], source: str, tags: tuple[str, ...] = TAGS
+) -> TetMesh | SurfaceMesh:
+    """Make a mesh of meshio's; ``lost`` grows by what it cannot hold, ``tags`` are the arrays that may be the tags.
+
+    Raises :class:`InputError` for cells of other kinds, and where there is neither tet nor triangle.
+    """
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
     if not len(kinds[main].cells):
@@ -129,7 +137,7 @@ def _mesh(raw: Any, form: formats.Format, lost: list[str], source: str) -> TetMe
         for name, values in raw.point_data.items()
         if name not in _PRIVATE
     }
-    for name in set(TAGS) & point_data.keys():
+    for name in set(TAGS) & point_data.keys() if form is not formats.PYVISTA else ():
         point_data[name] = _whole(point_data[name])
         if not point_data[name].any():  # the format has such a number for each point, meant or not
             del point_data[name]
@@ -137,7 +145,7 @@ def _mesh(raw: Any, form: formats.Format, lost: list[str], source: str) -> TetMe
     names = _names(raw.field_data, form)
     for kind in kinds.values():
         kind.sets |= _pop_sets(kind.data)
-    tag_name = _take_tags(kinds)
+    tag_name = _take_tags(kinds, tags)
     _take_tag_sets(kinds)
     if form.name == "gmsh":
         for kind in kinds.values():
@@ -169,7 +177,7 @@ def _mesh(raw: Any, form: formats.Format, lost: list[str], source: str) -> TetMe
 
 def _with_tags(surface: SurfaceMesh) -> SurfaceMesh:
     kinds = {"triangle": _Kind(surface.triangles, dict(surface.cell_data))}
-    _take_tags(kinds)
+    _take_tags(kinds, TAGS)
     return replace(surface, tags=kinds["triangle"].tags, cell_data=kinds["triangle"].data)  # type: ignore[arg-type]
 
 
@@ -204,13 +212,13 @@ def _kinds(raw: Any) -> dict[str, _Kind]:
     return kinds
 
 
-def _take_tags(kinds: dict[str, _Kind]) -> str:
-    """Make the first conventional array that says anything the tags; returns its name."""
-    chosen = "gmsh:physical"
-    for name in reversed(TAGS):
+def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
+    """Make the first array of these names that says anything the tags; returns its name."""
+    chosen = names[0] if names else TAGS[0]
+    for name in reversed(names):
         columns = [kind.data[name] for kind in kinds.values() if name in kind.data]
         # Zero is no tag; and every cell of a gmsh file has an entity, whether there is more than one or not.
-        says = any((column != column[0] if name == "gmsh:geometrical" else column).any() for column in columns)
+        says = any((column != column[0] if name == ENTITIES else column).any() for column in columns)
         if says and all(_whole(column).dtype.kind in "iu" for column in columns):
             chosen = name
         elif columns:
@@ -219,11 +227,9 @@ def _take_tags(kinds: dict[str, _Kind]) -> str:
     for kind in kinds.values():
         if chosen in kind.data:
             kind.tags = _whole(kind.data.pop(chosen)).astype(np.int64)
-    # gmsh files need an entity per cell; where it says no more than the tag, it is no data of the user's.
-    entities = [(kind.data.get("gmsh:geometrical"), kind.tags) for kind in kinds.values() if len(kind.cells)]
-    if all(ids is None or tags is None or (ids == gmsh_entities(tags)).all() for ids, tags in entities):
+    if chosen != ENTITIES:  # gmsh's own bookkeeping then, made anew when written
         for kind in kinds.values():
-            kind.data.pop("gmsh:geometrical", None)
+            kind.data.pop(ENTITIES, None)
     return chosen
 
 

@@ -1,26 +1,22 @@
 """A :class:`TetMesh` or :class:`SurfaceMesh` becomes a file; what its format cannot carry is named in one warning."""
 
-import importlib
-import io
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.adapters import formats, obj, off, ply
-from wct_plugin.adapters.formats import Format
-from wct_plugin.adapters.meshio_load import overheard
-from wct_plugin.adapters.meshio_read import NAME, SET, TAG_SET, TAGS, gmsh_entities
+from wct_plugin.adapters import formats
+from wct_plugin.adapters.formats import PYVISTA, Format
+from wct_plugin.adapters.meshio_read import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
+from wct_plugin.adapters.meshio_save import Arrays, Content, attribute, save
 from wct_plugin.errors import OutputError, WctWarning
 from wct_plugin.files import replacing
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-
-Arrays = dict[str, NDArray[Any]]
 
 #: The array that holds the tags, for formats that have one for this.
 _TAG = {
@@ -33,8 +29,9 @@ _CALLED = {"tetra": "tets", "triangle": "tagged facets", "line": "tagged edges",
 def write(path: str | Path, mesh: TetMesh | SurfaceMesh) -> None:
     """Write a mesh in the format of the path's suffix, whole or not at all; the mesh is left as it is.
 
-    gmsh files are of version 2.2, binary. Formats with one array for all cells get zeros (integers) or NaN where a
-    kind of cell lacks an array. Named sets become arrays ``set:NAME`` where a format has arrays but no sets.
+    gmsh files are binary, of version 2.2, or 4.1 where cells are in several physical groups. Formats with one array for
+    all cells get zeros (integers) or NaN where a kind of cell lacks an array. Named sets become arrays ``set:NAME``
+    where a format has arrays but no sets.
 
     Parameters
     ----------
@@ -55,10 +52,10 @@ def write(path: str | Path, mesh: TetMesh | SurfaceMesh) -> None:
     """
     file = Path(path)
     form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
-    content, lost = _content(mesh, form)
+    content, lost = contents(mesh, form)
     with replacing(file) as temporary:
         try:
-            lost += _write(temporary, form, mesh, content)
+            lost += save(temporary, form, mesh, content)
         except (OSError, MemoryError, OutputError):
             raise
         except Exception as error:  # any at all: meshio's writers convert without looking
@@ -79,33 +76,8 @@ class _Block:
     sets: dict[str, NDArray[np.int64]]
 
 
-@dataclass
-class _Content:
-    """What meshio gets: arrays of our own, so that it may change them as it likes."""
-
-    points: NDArray[np.float64]
-    cells: list[tuple[str, NDArray[np.int64]]]
-    point_data: Arrays
-    cell_data: dict[str, list[NDArray[Any]]]
-    point_sets: dict[str, NDArray[np.int64]]
-    cell_sets: dict[str, list[NDArray[np.int64]]]
-    names: dict[str, NDArray[np.int64]]
-
-    def mesh(self, **extra: Any) -> Any:
-        import meshio
-
-        return meshio.Mesh(
-            self.points,
-            self.cells,
-            point_data=self.point_data,
-            cell_data=self.cell_data,
-            point_sets=self.point_sets,
-            cell_sets=self.cell_sets,
-            **extra,
-        )
-
-
-def _content(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[_Content, list[str]]:
+def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[str]]:
+    """What of the mesh the format can carry, as meshio wants it, and the names of all else."""
     lost: list[str] = []
     blocks = [block for block in _blocks(mesh) if _fits(block, form, lost)]
     points = np.array(mesh.points)
@@ -113,11 +85,13 @@ def _content(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[_Content, list[
         points = _rounded(points)
         if (points != mesh.points).any():
             lost.append("digits of coordinates beyond what 16 characters hold")
-    content = _Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {})
+    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {})
     _put_point_data(content, mesh, form, lost)
     _put_cell_data(content, blocks, form, lost)
     _put_tags(content, blocks, mesh, form, lost)
     point_sets = mesh.point_sets if isinstance(mesh, TetMesh) else {}
+    if form.name == "gmsh" and isinstance(mesh, TetMesh):
+        content.groups = {block.kind: _take_groups(block, mesh.names) for block in blocks}
     _put_sets(content, blocks, point_sets, form, lost)
     names = mesh.names if isinstance(mesh, TetMesh) else {}
     for name, pair in names.items():
@@ -155,7 +129,7 @@ def _fits(block: _Block, form: Format, lost: list[str]) -> bool:
     return False
 
 
-def _put_point_data(content: _Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
+def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
     own = {"Medit": "medit:ref", "Nastran": "nastran:ref", "TetGen": "tetgen:ref"}.get(form.name)
     for name, values in mesh.point_data.items():
         if name == own and values.dtype.kind in "iu" and values.ndim == 1:
@@ -170,12 +144,10 @@ def _put_point_data(content: _Content, mesh: TetMesh | SurfaceMesh, form: Format
         content.point_data["medit:ref"] = np.zeros(len(mesh.points), dtype=np.int64)
 
 
-def _put_cell_data(content: _Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
+def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
     """One array for all blocks, as meshio wants it; zeros or NaN where a block has none."""
     for name in dict.fromkeys(name for block in blocks for name in block.data):
         owners = [block.data[name] for block in blocks if name in block.data]
-        if name == "gmsh:geometrical" and form.name == "gmsh":
-            continue  # goes with the tags
         arrays = [_array(name, values, form) for values in owners] if form.cell_data else [None]
         if any(array is None for array in arrays) or len({values.shape[1:] for values in owners}) > 1:
             lost.append(f"cell data {name!r}")
@@ -193,7 +165,7 @@ def _put_cell_data(content: _Content, blocks: list[_Block], form: Format, lost: 
 
 
 def _put_tags(
-    content: _Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
+    content: Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
 ) -> None:
     # Under another name than a conventional one they would not be read as tags again.
     meant = mesh.tag_name if isinstance(mesh, TetMesh) and mesh.tag_name in TAGS else "gmsh:physical"
@@ -202,30 +174,18 @@ def _put_tags(
         if (block.tags != kept).any():
             lost.append("regions" if block.kind == "tetra" else f"tags of {_CALLED[block.kind]}")
     key = _spelled(_TAG.get(form.name, meant), form)
-    if content.cell_data.pop(key, None) is not None:
-        lost.append(f"cell data {key!r}, whose name is that of the tags")
+    for name in dict.fromkeys((key, ENTITIES) if form.name == "gmsh" else (key,)):
+        if content.cell_data.pop(name, None) is not None:
+            lost.append(f"cell data {name!r}, whose name is that of the tags")
     if form.name == "gmsh":
-        groups = meant != "gmsh:geometrical"
+        groups = meant != ENTITIES
         content.cell_data[key] = [column if groups else np.zeros_like(column) for column in tags]
-        content.cell_data["gmsh:geometrical"] = [
-            _entities(block) if groups else gmsh_entities(block.tags) for block in blocks
-        ]
+        content.cell_data[ENTITIES] = [gmsh_entities(block.tags) for block in blocks]
     elif form.tagged and (form.name in _TAG or any(column.any() for column in tags)):
         content.cell_data[key] = [np.array(column) for column in tags]
 
 
-def _entities(block: _Block) -> NDArray[np.int64]:
-    """The gmsh entities the cells came with, as long as each has one tag still; else new ones, one per tag."""
-    ids = block.data.get("gmsh:geometrical")
-    if ids is not None and ids.dtype.kind in "iuf" and ids.ndim == 1 and (ids > 0).all():
-        entities = ids.astype(np.int64)
-        pairs = np.unique(np.column_stack([entities, block.tags]), axis=0)
-        if len(pairs) == len(np.unique(entities)):
-            return entities
-    return gmsh_entities(block.tags)
-
-
-def _put_sets(content: _Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
+def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
     """Sets where the format has them, else arrays of 0 and 1; Abaqus has no tags, so these become sets there."""
     if form.sets:
         for block in blocks:
@@ -251,6 +211,16 @@ def _put_sets(content: _Content, blocks: list[_Block], points: Any, form: Format
             lost.append(f"set {name!r} of points")
 
 
+def _take_groups(block: _Block, names: Mapping[str, tuple[int, int]]) -> dict[int, NDArray[np.int64]]:
+    """Take out the sets that are physical groups, by name and dimension, of cells that have other tags."""
+    groups = {}
+    for name in [name for name in block.sets if names.get(name, (0, -1))[1] == block.cells.shape[1] - 1]:
+        tag, _ = names[name]
+        if tag and np.isin(np.flatnonzero(block.tags == tag), block.sets[name]).all():
+            groups[tag] = block.sets.pop(name)
+    return groups
+
+
 def _fit_for_abaqus(name: str) -> bool:
     return bool(name) and not set(name) & set(',=*\n"') and name == name.strip()
 
@@ -260,7 +230,7 @@ def _array(name: str, values: NDArray[Any], form: Format) -> NDArray[Any] | None
     if values.dtype.kind not in "biuf" or values.ndim > 2 or (values.ndim == 2 and not values.shape[1]):
         return None
     width = values.shape[1] if values.ndim == 2 else 1
-    array = np.array(values, dtype="u1" if values.dtype.kind == "b" else None)
+    array = np.array(values, dtype="u1" if values.dtype.kind == "b" and form is not PYVISTA else None)
     if array.dtype.itemsize not in (1, 2, 4, 8) or array.dtype == np.float16:
         array = array.astype(np.float64)
     match form.name:
@@ -281,102 +251,7 @@ def _array(name: str, values: NDArray[Any], form: Format) -> NDArray[Any] | None
 def _spelled(name: str, form: Format) -> str:
     """The name as it has to stand in the file."""
     if form.name == "VTU":  # meshio's XML writer escapes nothing
-        return _attribute(name)
+        return attribute(name)
     if form.name == "VTK":  # VTK's own spelling of blanks
         return quote(name, safe="!#$&'()*+,/:;<=>?@[\\]^`{|}~")
     return name
-
-
-def _attribute(name: str) -> str:
-    return quoteattr(name, {'"': "&quot;"})[1:-1].encode("ascii", "xmlcharrefreplace").decode()
-
-
-def _write(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: _Content) -> list[str]:
-    """Write the file; returns what meshio complains of on the way."""
-    if isinstance(mesh, SurfaceMesh) and form.name in ("PLY", "OBJ", "OFF"):
-        match form.name:
-            case "PLY":
-                cell_data = {name: columns[0] for name, columns in content.cell_data.items()}
-                ply.write(path, mesh, cell_data, content.point_data)
-            case "OBJ":
-                obj.write(path, mesh)
-            case "OFF":
-                off.write(path, mesh)
-        return []
-    if form.name == "SU2":
-        _write_su2(path, content)
-        return []
-    with overheard() as said, np.errstate(invalid="ignore", divide="ignore"):  # STL normals of slivers
-        match form.name:
-            case "gmsh":
-                from meshio import gmsh
-
-                gmsh.write(str(path), content.mesh(field_data=content.names), "2.2", binary=True)
-            case "XDMF":
-                _write_xdmf(path, content)
-            case "MED":
-                _write_med(path, content)
-            case _:
-                importlib.import_module(f"meshio.{form.module}").write(str(path), content.mesh())
-                if form.name == "VTU" and content.names:
-                    _add_names(path, content.names)
-    return said
-
-
-def _write_xdmf(path: Path, content: _Content) -> None:
-    """Meshio leaves its HDF5 file to the garbage collector, where a full disk goes unnoticed; so it gets none."""
-    import h5py  # type: ignore[import-untyped]
-    from meshio.xdmf.main import ET, XdmfWriter
-
-    heavy = path.with_suffix(".h5")
-    buffer = io.BytesIO()
-    writer = XdmfWriter.__new__(XdmfWriter)
-    writer.filename, writer.h5_filename, writer.data_format = path, heavy, "HDF"
-    writer.data_counter, writer.compression, writer.compression_opts = 0, "gzip", 4
-    root = ET.Element("Xdmf", Version="3.0")
-    grid = ET.SubElement(ET.SubElement(root, "Domain"), "Grid", Name="Grid")
-    mesh = content.mesh()
-    with h5py.File(buffer, "w") as writer.h5_file:
-        writer.write_points(grid, mesh.points)
-        writer.write_cells(mesh.cells, grid)
-        writer.write_point_data(mesh.point_data, grid)
-        writer.write_cell_data(mesh.cell_data, grid)
-    heavy.write_bytes(buffer.getvalue())
-    path.write_bytes(ET.tostring(root))
-
-
-def _write_med(path: Path, content: _Content) -> None:
-    """By way of memory, for the same reason."""
-    from meshio import med
-
-    buffer = io.BytesIO()
-    med.write(buffer, content.mesh())
-    path.write_bytes(buffer.getvalue())
-
-
-def _write_su2(path: Path, content: _Content) -> None:
-    """Meshio 5.3.5 fails on any boundary cell here."""
-    cells = dict(content.cells)
-    tags = dict(zip(cells, content.cell_data["su2:tag"], strict=True))
-    with path.open("w") as file:
-        file.write(f"NDIME= 3\nNPOIN= {len(content.points)}\n")
-        file.writelines(f"{x!r} {y!r} {z!r}\n" for x, y, z in content.points.tolist())
-        file.write(f"NELEM= {len(cells['tetra'])}\n")
-        file.writelines("10 " + " ".join(map(str, tet)) + "\n" for tet in cells["tetra"].tolist())
-        markers = np.unique(tags.get("triangle", [])).tolist()
-        file.write(f"NMARK= {len(markers)}\n")
-        for marker in markers:
-            faces = cells["triangle"][tags["triangle"] == marker]
-            file.write(f"MARKER_TAG= {marker}\nMARKER_ELEMS= {len(faces)}\n")
-            file.writelines("5 " + " ".join(map(str, face)) + "\n" for face in faces.tolist())
-
-
-def _add_names(path: Path, names: dict[str, NDArray[np.int64]]) -> None:
-    """Physical names as field data, where meshio reads them and ParaView shows them; meshio writes none."""
-    arrays = "".join(
-        f'<DataArray type="Int64" Name="{_attribute(NAME + name)}" NumberOfTuples="2" format="ascii">'
-        f"{tag} {dimension}</DataArray>\n"
-        for name, (tag, dimension) in names.items()
-    )
-    head, grid, rest = path.read_bytes().partition(b"<UnstructuredGrid>\n")
-    path.write_bytes(head + grid + f"<FieldData>\n{arrays}</FieldData>\n".encode() + rest)

@@ -6,10 +6,9 @@ never runs in ours. This file is both sides: the parent calls :func:`tetrahedral
 """
 
 import json
-import signal
-import subprocess
 import sys
 import tempfile
+import warnings
 from pathlib import Path
 from types import ModuleType
 
@@ -17,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin import predicates
-from wct_plugin.errors import InputError, NeighbourError, OptionError
+from wct_plugin.adapters import child
+from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
+from wct_plugin.errors import InputError, NeighbourError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.solid import check_thick, label
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-_FLAT = 1e-9  # thickness over diagonal below which a surface counts as planar
 
 
 def tetrahedralize(
@@ -63,6 +63,11 @@ def tetrahedralize(
     TetMesh
         Positively oriented, with ``reference`` and ``source`` set.
 
+    Warns
+    -----
+    WctWarning
+        If the surface has several tags, which fTetWild cannot keep.
+
     Raises
     ------
     OptionError
@@ -72,13 +77,19 @@ def tetrahedralize(
     NeighbourError
         If fTetWild crashes, runs out of time or fills nothing.
     """
-    _check_between("edge_length", edge_length, 1.0)
-    _check_between("epsilon", epsilon, 1.0)
-    _check_at_least("stop_energy", stop_energy, 3.0)
-    _check_at_least("num_opt_iter", num_opt_iter, 1)
-    if timeout is not None and not timeout > 0:
-        raise OptionError(f"timeout is {timeout}; allowed is a number of seconds above 0, or None")
-    _check_solid(surface)
+    check_between("edge_length", edge_length, 1.0)
+    check_between("epsilon", epsilon, 1.0)
+    check_at_least("stop_energy", stop_energy, 3.0)
+    check_at_least("num_opt_iter", num_opt_iter, 1)
+    check_limit("timeout", timeout, "seconds")
+    check_thick(surface, "fTetWild")
+    if len(tags := np.unique(surface.tags)) > 1:
+        warnings.warn(
+            f"{label(surface)}fTetWild drops the tags of the surface's triangles ({len(tags)} different ones); mesher "
+            "'tetgen' keeps them",
+            WctWarning,
+            stacklevel=2,
+        )
     options = {
         "edge_length_fac": float(edge_length),
         "epsilon": float(epsilon),
@@ -102,61 +113,12 @@ def tetrahedralize(
     return _mesh(points, tets, surface)
 
 
-def _check_between(name: str, value: float, high: float) -> None:
-    if not 0 < value <= high:  # also false for NaN
-        raise OptionError(f"{name} is {value}; allowed is above 0, at most {high:g}")
-
-
-def _check_at_least(name: str, value: float, low: float) -> None:
-    if not low <= value < np.inf:
-        raise OptionError(f"{name} is {value}; allowed is at least {low:g}")
-
-
-def _check_solid(surface: SurfaceMesh) -> None:
-    """FTetWild dies of a segmentation fault on a planar surface, so it is not asked."""
-    points = surface.points[np.unique(surface.triangles)]
-    diagonal = surface.diagonal
-    centred = (points - points.mean(axis=0)) / (diagonal or 1.0)
-    normal = np.linalg.svd(centred.T @ centred)[0][:, 2]
-    thickness = float(np.ptp(centred @ normal))
-    if thickness <= _FLAT:
-        name = f"{surface.source}: " if surface.source else ""
-        raise InputError(
-            f"{name}the surface is planar, {thickness:.1e} of its diagonal thick; "
-            "fTetWild needs one that encloses a volume"
-        )
-
-
 def _run(arguments: list[str], folder: str | Path, timeout: float | None) -> None:
     """Run the child in ``folder``: fTetWild leaves a file __tracked_surface.stl in its working directory."""
     # Without -P the working directory would be the first place to look for modules.
     command = [sys.executable, "-P", "-m", "wct_plugin.adapters.pytetwild", *arguments]
-    # It stays in our process group, so that whoever ends the group ends the child; it starts no process of its own.
-    child = subprocess.Popen(
-        command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    )
-    with child:
-        try:
-            output, _ = child.communicate(timeout=timeout)
-        except subprocess.TimeoutExpired as error:
-            child.kill()
-            raise NeighbourError(
-                f"fTetWild was stopped after {timeout:g} s, its timeout; a larger epsilon or edge_length, "
-                "fewer num_opt_iter or a repaired surface is faster"
-            ) from error
-        except BaseException:  # Ctrl-C does not reach native code
-            child.kill()
-            raise
-    if child.returncode < 0:
-        raise NeighbourError(f"fTetWild crashed with {signal.Signals(-child.returncode).name}{_tail(output)}")
-    if child.returncode:
-        raise NeighbourError(f"fTetWild failed with exit code {child.returncode}{_tail(output)}")
-
-
-def _tail(output: bytes) -> str:
-    lines = [" ".join(line.split()) for line in output.decode(errors="replace").splitlines()]
-    said = " | ".join([line for line in lines if line][-2:])
-    return f"; it last said: {said[-300:]}" if said else ""
+    advice = "a larger epsilon or edge_length, fewer num_opt_iter or a repaired surface is faster"
+    child.run(command, folder, timeout, "fTetWild", advice=advice)
 
 
 def _mesh(points: Floats, tets: Ints, surface: SurfaceMesh) -> TetMesh:

@@ -1,0 +1,111 @@
+"""A neighbour's program in a process of its own: ended as a whole on timeout or Ctrl-C, its last words in the error."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from wct_plugin.errors import NeighbourError, OptionError
+
+if sys.platform == "linux":
+    import resource
+
+
+class ChildError(NeighbourError):
+    """The program ended with an error code or by a signal; ``output`` is all it printed."""
+
+    def __init__(self, message: str, output: str) -> None:
+        super().__init__(message)
+        self.output = output
+
+
+def run(
+    command: Sequence[str | Path],
+    folder: str | Path,
+    timeout: float | None,
+    who: str,
+    memory: int | None = None,
+    advice: str = "",
+) -> str:
+    """Run ``command`` in ``folder`` and give what it printed, stdout and stderr together.
+
+    Parameters
+    ----------
+    command : sequence of str or Path
+        The program, to be found on the PATH, and its arguments; it reads nothing.
+    folder : str or Path
+        Its working directory.
+    timeout : float or None
+        Seconds after which it is ended, with every process it started; None waits for ever.
+    who : str
+        Its name, the first word of every message.
+    memory : int or None
+        Bytes of address space it may take; None is no limit. Only Linux can do that.
+    advice : str
+        What would make it faster, for the message of a timeout.
+
+    Raises
+    ------
+    ChildError
+        For an exit code other than 0 and for a crash.
+    NeighbourError
+        If it was ended after ``timeout``, or cannot be started.
+    OptionError
+        For a memory limit where the system has none.
+    """
+    if memory is not None and sys.platform != "linux":
+        raise OptionError(f"{who}'s memory cannot be limited on {sys.platform}; leave the limit out")
+    try:
+        # A process group of its own, so that what the program starts is ended with it.
+        child = subprocess.Popen(
+            [*_dying_with_us(), *map(str, command)],
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            process_group=0,
+        )
+    except OSError as error:
+        raise NeighbourError(f"{who} cannot be started: {error.strerror or error}") from error
+    with child:
+        try:
+            if memory is not None and sys.platform == "linux":
+                resource.prlimit(child.pid, resource.RLIMIT_AS, (memory, memory))
+            said, _ = child.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired as error:
+            _end(child)
+            hint = f"; {advice}" if advice else ""
+            raise NeighbourError(f"{who} was stopped after {timeout:g} s, its timeout{hint}") from error
+        except BaseException:  # Ctrl-C does not reach native code, nor another process group
+            _end(child)
+            raise
+    output = said.decode(errors="replace")
+    if child.returncode < 0:
+        raise ChildError(f"{who} crashed with {signal.Signals(-child.returncode).name}{_tail(output)}", output)
+    if child.returncode:
+        raise ChildError(f"{who} failed with exit code {child.returncode}{_tail(output)}", output)
+    return output
+
+
+def _dying_with_us() -> list[str]:
+    """What to put before a command so that a kill of our own process, which we cannot answer, ends it too."""
+    setpriv = shutil.which("setpriv") if sys.platform == "linux" else None  # of util-linux, like prlimit and mount
+    return [setpriv, "--pdeathsig", "KILL"] if setpriv else []
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    if child.returncode is not None:
+        return
+    if sys.platform == "win32":
+        child.kill()
+    else:
+        os.killpg(child.pid, signal.SIGKILL)
+
+
+def _tail(output: str) -> str:
+    lines = [" ".join(line.split()) for line in output.splitlines()]
+    said = " | ".join([line for line in lines if line][-2:])
+    return f"; it last said: {said[-300:]}" if said else ""

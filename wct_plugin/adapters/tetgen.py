@@ -1,0 +1,318 @@
+"""Debian's TetGen (1.5): tetrahedra from a triangle surface that stays exactly as it is, by ``tetgen`` from the PATH.
+
+TetGen ends every failure with an abort, says nothing about most, and leaves the tets out where it found none inside;
+so the surface is checked before, by TetGen's own search for intersections too, and the result after.
+"""
+
+import re
+import shutil
+import tempfile
+import time
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin import predicates
+from wct_plugin.adapters import child
+from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
+from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+from wct_plugin.solid import check_thick, flat_pieces, in_cavity, label, open_edge, place, shells, weld
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_MEGABYTE = 1 << 20
+_LOST = 1e-9  # of the surface's area; rounding is far below, a lost triangle above
+# TetGen trips over cospherical and nearly coplanar points, in some orders of theirs. So it is tried again: points one
+# after the other (b0) instead of along a curve through space, which is faster; then shuffled, facets as given (M)
+# instead of merged where coplanar, which needs fewer tets; at last without splitting them (Y), which hardly ever fails.
+_ATTEMPTS = ("", "b0", "b0M", "b0M", "b0Y")
+_STEEPEST = 60.0  # degrees; a regular tet has 70.5 and no mesh consists of them
+
+
+def tetrahedralize(
+    surface: SurfaceMesh,
+    *,
+    edge_length: float = 0.05,
+    radius_edge: float = 1.4,
+    min_dihedral: float = 10.0,
+    keep_boundary: bool = False,
+    timeout: float | None = None,
+    memory_limit: float | None = None,
+) -> TetMesh:
+    """Fill a surface with tetrahedra by TetGen.
+
+    The surface is kept exactly, its points with all their digits; new points split its triangles where the size or
+    shape asks for it. What it divides into several volumes becomes as many regions, 1, 2, ...; a single one is 0. A
+    closed inner surface whose triangles face inward is the wall of a hollow and is not filled. The ``reference`` is the
+    surface without the triangles inside, those between regions and sheets in one. Tags come back on
+    ``facets``, on every triangle if any is not 0; of an untagged surface only sheets inside a region do, which nothing
+    else would keep. Exactly coplanar triangles of one tag count as one facet, unless ``keep_boundary``.
+
+    Parameters
+    ----------
+    surface : SurfaceMesh
+        What to fill: closed, its triangles meeting in whole edges and points only; sheets may divide the inside.
+    edge_length : float
+        Edge, as a fraction of the bounding box's diagonal, of the regular tet that no tet may exceed in volume; above
+        0, at most 1.
+    radius_edge : float
+        Greatest ratio of circumradius to shortest edge, at least 1, but where the surface has small angles; below 1.2
+        TetGen may not end.
+    min_dihedral : float
+        Smallest dihedral angle in degrees, 0 to 60; above 20 TetGen may not end.
+    keep_boundary : bool
+        Split no triangle of the surface; a coarse surface then stops any refinement inside.
+    timeout : float or None
+        Seconds after which TetGen is stopped; None waits for ever.
+    memory_limit : float or None
+        Megabytes of address space that TetGen may take; None is no limit.
+
+    Returns
+    -------
+    TetMesh
+        Positively oriented, with ``regions``, ``facets``, ``reference`` and ``source`` set.
+
+    Raises
+    ------
+    OptionError
+        For an option out of range.
+    InputError
+        For a surface that is planar, open, intersects itself, or has repeated triangles or points too close together.
+    NeighbourError
+        If TetGen is missing, fails, or runs out of time or memory.
+    """
+    check_between("edge_length", edge_length, 1.0)
+    check_at_least("radius_edge", radius_edge, 1.0)
+    if not 0 <= min_dihedral <= _STEEPEST:
+        raise OptionError(f"min_dihedral is {min_dihedral}; allowed is 0 to {_STEEPEST:g}")
+    check_limit("timeout", timeout, "seconds")
+    check_limit("memory_limit", memory_limit, "megabytes")
+    if missing := [tool for tool in ("tetgen", "stdbuf") if not shutil.which(tool)]:
+        raise NeighbourError(f"{missing[0]} is not on the PATH; on Debian and Ubuntu: apt install tetgen coreutils")
+    check_thick(surface, "TetGen")
+    points, triangles = weld(surface)
+    # TetGen merges facets of one marker that bend by up to 0.1 degrees, and leaves both: a marker per flat piece.
+    pieces = flat_pieces(points, triangles, surface.tags)
+    volume = (edge_length * surface.diagonal) ** 3 / np.sqrt(72.0)
+    # -J no renumbering, -A a number per region
+    switches = f"JAq{radius_edge:g}/{min_dihedral:g}a{float(volume)!r}{'Y' if keep_boundary else ''}"
+    with tempfile.TemporaryDirectory(prefix="wct_") as name:
+        job = _Job(Path(name), timeout, None if memory_limit is None else int(memory_limit * _MEGABYTE))
+        mesh = _fill(job, switches, surface, points, triangles, pieces)
+    return _tidied(_without_cavities(mesh, points, triangles), surface, pieces)
+
+
+class _Job:
+    """TetGen on ``surface.poly`` in a folder, several times within one timeout."""
+
+    def __init__(self, folder: Path, timeout: float | None, memory: int | None) -> None:
+        self.folder, self.memory = folder, memory
+        self._end = None if timeout is None else time.monotonic() + timeout
+
+    def run(self, switches: str) -> str:
+        """Give what ``tetgen`` printed; line by line, or an abort would swallow it."""
+        command = ["stdbuf", "-oL", "tetgen", switches, "surface.poly"]
+        advice = "a larger edge_length or radius_edge, a smaller min_dihedral or a repaired surface is faster"
+        left = None if self._end is None else max(round(self._end - time.monotonic(), 2), 0.01)
+        try:
+            return child.run(command, self.folder, left, "TetGen", memory=self.memory, advice=advice)
+        except child.ChildError as error:
+            raise _explain(error, self.memory) from error
+
+
+class _AbortError(NeighbourError):
+    """TetGen aborted; ``starved`` if most likely for want of memory."""
+
+    def __init__(self, message: str, starved: bool = False) -> None:
+        super().__init__(message)
+        self.starved = starved
+
+
+def _fill(job: _Job, switches: str, surface: SurfaceMesh, points: Floats, triangles: Ints, pieces: Ints) -> TetMesh:
+    """Let TetGen search the surface for faults (-d) and fill it (-p), in several ways if need be."""
+    attempt = 0
+    while True:
+        extra = _ATTEMPTS[attempt].replace("Y", "" if "Y" in switches else "Y")
+        order = np.arange(len(points)) if attempt < 2 else np.random.default_rng(attempt).permutation(len(points))
+        ordered, renumbered = points[order], np.argsort(order)[triangles]
+        for stale in job.folder.iterdir():
+            stale.unlink()
+        try:
+            _write(job.folder / "surface.poly", ordered, renumbered, pieces)
+        except OSError as error:
+            raise NeighbourError(f"TetGen cannot be given the surface: {error.strerror or error}") from error
+        try:
+            _check_facets(job.run(f"-dz{extra}"), surface, ordered, renumbered)
+            job.run(f"-pz{switches}{extra}")
+            mesh = _result(job.folder, surface, ordered, renumbered, keep="Y" in switches)
+        except _AbortError as error:
+            attempt += 1
+            if error.starved or attempt == len(_ATTEMPTS):
+                raise
+            continue
+        if "Y" in extra:
+            warnings.warn(
+                f"{label(surface)}TetGen could not split the surface's triangles and keeps them; tets there may be "
+                "larger or flatter than asked for",
+                WctWarning,
+                stacklevel=2,
+            )
+        return mesh
+
+
+def _write(path: Path, points: Floats, triangles: Ints, pieces: Ints) -> None:
+    with path.open("w") as file:
+        file.write(f"{len(points)} 3 0 0\n")
+        file.writelines(f"{k} {x!r} {y!r} {z!r}\n" for k, (x, y, z) in enumerate(points.tolist()))
+        file.write(f"{len(triangles)} 1\n")
+        rows = zip(triangles.tolist(), (pieces + 1).tolist(), strict=True)  # TetGen's 0 is "none"
+        file.writelines(f"1 0 {marker}\n3 {a} {b} {c}\n" for (a, b, c), marker in rows)
+        file.write("0\n0\n")  # no holes, no seeds of regions
+
+
+def _explain(error: child.ChildError, memory: int | None) -> _AbortError:
+    """Say in one line why TetGen failed; out of memory is the one thing that it never says."""
+    noise = re.compile(r"seconds:|^terminate called|^Aborted|^\s*$")
+    lines = [" ".join(line.split()) for line in error.output.splitlines() if not noise.search(line)]
+    if found := re.search(r"Found two .*", " ".join(lines)):  # the faults' places are on the lines after
+        return _AbortError(f"TetGen: {found[0]}")
+    last = re.sub(r".*: (?=Assertion|error)|^Error: ", "", lines[-1]).rstrip(". ") if lines else "its start"
+    growing = last == "Refining mesh" or "shared object" in last  # elsewhere it is rather a fault of TetGen's
+    if memory is not None and growing:
+        limit = f"memory_limit is {memory / _MEGABYTE:g} MB"
+        return _AbortError(f"TetGen ran out of memory in {last!r}: {limit}; a larger edge_length needs less", True)
+    if "SIGKILL" in str(error):
+        return _AbortError(f"TetGen was killed in {last!r}, most likely because the system ran out of memory", True)
+    if lines and not lines[-1].endswith("..."):
+        return _AbortError(f"TetGen: {last}")
+    return _AbortError(f"TetGen failed in {last!r} and does not say why; a repaired surface may help")
+
+
+def _check_facets(said: str, surface: SurfaceMesh, points: Floats, triangles: Ints) -> None:
+    """Read what TetGen's own search for faults of the surface printed."""
+    if found := re.search(r"Point (\d+) is replaced by point (\d+)", said):
+        first, second = points[int(found[1])], points[int(found[2])]
+        distance = float(np.linalg.norm(first - second))
+        raise InputError(
+            f"{label(surface)}the points at {place(first)} and {place(second)} are {distance:.1e} apart, too close for "
+            "TetGen, which tells points apart down to 1e-8 of the diagonal; merge close vertices first"
+        )
+    found_pairs = re.findall(r"Facet #(\d+) intersects facet #(\d+)", said)
+    pairs = {tuple(sorted((int(first) - 1, int(second) - 1))) for first, second in found_pairs}
+    if pairs:
+        one, other = min(pairs)
+        more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
+        raise InputError(
+            f"{label(surface)}the surface intersects itself: triangle {one}, {_middle(points, triangles, one)}, and "
+            f"triangle {other}, {_middle(points, triangles, other)}{more}; TetGen needs triangles that meet in whole "
+            "edges and points only, mesher 'ftetwild' does not"
+        )
+
+
+def _middle(points: Floats, triangles: Ints, index: int) -> str:
+    return place(points[triangles[index]].mean(axis=0))
+
+
+def _result(folder: Path, surface: SurfaceMesh, points: Floats, triangles: Ints, keep: bool) -> TetMesh:
+    """Read TetGen's files and check that the whole surface came back; facets are tagged by their piece."""
+    tets, vertices, faces = (_table(folder / f"surface.1.{part}") for part in ("ele", "node", "face"))
+    edge = open_edge(points, triangles)
+    if not len(tets):
+        raise InputError(f"{label(surface)}the surface encloses nothing{f', it is open: {edge}' if edge else ''}")
+    nodes, cells, facets = vertices[:, 1:4].copy(), tets[:, 1:6].astype(np.int64), faces[:, 1:5].astype(np.int64)
+    nodes[: len(points)] = points  # TetGen writes 16 digits, which are not always all
+    lost = 1 - _area(nodes, facets[:, :3]) / _area(points, triangles)
+    if edge and lost > _LOST:  # TetGen drops facets that bound nothing without a word
+        raise InputError(f"{label(surface)}{100 * lost:.3g} % of the surface's area bounds nothing; it is open: {edge}")
+    if abs(lost) > _LOST or (keep and len(facets) != len(triangles)):
+        raise _AbortError(f"TetGen did not keep the surface: {len(triangles)} triangles became {len(facets)}")
+    return _mesh(nodes, cells, facets, surface.source)
+
+
+def _table(path: Path) -> Floats:
+    """The rows of one of TetGen's files; none where it is missing."""
+    if not path.exists():
+        return np.empty((0, 6))
+    try:
+        with path.open() as file:
+            count = int(file.readline().split()[0])
+            rows: Floats = np.loadtxt(file, ndmin=2) if count else np.empty((0, 6))
+    except (OSError, ValueError, IndexError) as error:
+        raise NeighbourError(f"TetGen's {path.name} cannot be read: {error}") from error
+    if len(rows) != count:
+        raise NeighbourError(f"TetGen's {path.name} has {len(rows)} rows of {count}; is the disk full?")
+    return rows
+
+
+def _area(points: Floats, triangles: Ints) -> float:
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def _mesh(nodes: Floats, tets: Ints, facets: Ints, source: str) -> TetMesh:
+    # TetGen's tets are turned here, so that the mesh's count of repairs is about the user's own data.
+    cells, regions = tets[:, :4].copy(), tets[:, 4]
+    negative = predicates.orientation(nodes, cells) < 0
+    cells[negative] = cells[negative][:, [0, 1, 3, 2]]
+    used = np.unique(cells)  # -J keeps points that no tet uses too
+    number = np.full(len(nodes), -1)
+    number[used] = np.arange(len(used))
+    try:
+        return TetMesh(
+            nodes[used],
+            number[cells],
+            regions=regions,
+            facets=Cells(number[facets[:, :3]], facets[:, 3] - 1),
+            source=source,
+        )
+    except InputError as error:
+        raise _AbortError(f"TetGen gave an unusable mesh: {error}") from error
+
+
+def _without_cavities(mesh: TetMesh, points: Floats, triangles: Ints) -> TetMesh:
+    """Take out the regions inside walls that face inward; TetGen fills whatever is closed."""
+    outer = np.unique(mesh.regions[mesh.topology.boundary_half_facets[:, 0]])
+    inner = np.setdiff1d(mesh.regions, outer)
+    if not len(inner):
+        return mesh
+    walls = shells(points, triangles)
+    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]]))
+    hollow = []
+    for region in inner:
+        own = np.flatnonzero(mesh.regions == region)
+        biggest = own[np.argmax(size[own])]
+        if in_cavity(mesh.points[mesh.tets[biggest]].mean(axis=0), walls):
+            hollow.append(region)
+    filled = ~np.isin(mesh.regions, hollow)
+    kept = replace(mesh, tets=mesh.tets[filled], regions=mesh.regions[filled])
+    return replace(kept, repairs=mesh.repairs)  # points inside a hollow were never the user's
+
+
+def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
+    """Number the regions from 1, or all 0 for one; give facets the surface's tags; keep the outside as reference.
+
+    Until here ``facets`` carry numbers of ``pieces``, each of which is outside or inside as a whole.
+    """
+    found, regions = np.unique(mesh.regions, return_inverse=True)
+    mesh = replace(mesh, regions=regions.ravel() + 1 if len(found) > 1 else np.zeros_like(mesh.regions))
+    outside = _among(mesh.facets.vertices, mesh.topology.boundary)
+    outer = np.isin(pieces, mesh.facets.tags[outside])
+    reference = surface
+    if not outer.all():
+        reference = SurfaceMesh(surface.points, surface.triangles[outer], surface.tags[outer], source=surface.source)
+    tags = surface.tags[np.unique(pieces, return_index=True)[1]][mesh.facets.tags]
+    facets = Cells(mesh.facets.vertices, tags)
+    if not tags.any():  # then those are left out that say nothing the tets do not say
+        facets = facets.select(~outside & ~_among(facets.vertices, mesh.topology.interfaces))
+    return replace(mesh, facets=facets, reference=reference)
+
+
+def _among(triangles: Ints, others: Ints) -> NDArray[np.bool_]:
+    """(k,) which ``triangles`` (k, 3) are in ``others`` (j, 3), in any order of their vertices."""
+    _, number = np.unique(np.sort(np.concatenate([others, triangles]), axis=1), axis=0, return_inverse=True)
+    return np.isin(number.ravel()[len(others) :], number.ravel()[: len(others)])

@@ -1,0 +1,56 @@
+"""Command-line options made from filters' declarations."""
+
+from collections.abc import Callable
+from typing import Any, get_args
+
+import click
+from pydantic.fields import FieldInfo
+
+from wct_plugin.stage import find_filter
+from wct_plugin.stage_page import choices, describe_default, describe_range
+
+
+def _click_type(field: FieldInfo) -> Any:
+    alternatives = [kind for kind in get_args(field.annotation) if kind is not type(None)] or [field.annotation]
+    return alternatives[0] if len(alternatives) == 1 and alternatives[0] in (int, float, bool) else str
+
+
+def _fields(*names: str) -> dict[str, FieldInfo]:
+    found = [find_filter(name).declaration.model_fields.items() for name in reversed(names)]
+    return {option: field for fields in found for option, field in fields}
+
+
+def _parameter(option: str, prefix: str) -> str:
+    """The command line's name of a filter's option; ``--mesher-mesher`` would be a stutter."""
+    return option if prefix == f"{option}_" else prefix + option
+
+
+def flag(option: str, prefix: str = "") -> str:
+    """The flag of an option."""
+    return "--" + _parameter(option, prefix).replace("_", "-")
+
+
+def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
+
+    Where two filters declare a field the help is the first one's; each checks the values it is given by itself.
+    """
+    fields = _fields(*filters)
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option, field in reversed(fields.items()):
+            words = "|".join(choices(field))
+            range_and_default = ["" if words else describe_range(field), f"default {describe_default(field)}"]
+            shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
+            metavar = f"[{words}]" if words else None
+            names = (flag(option, prefix), _parameter(option, prefix))
+            command = click.option(*names, type=_click_type(field), metavar=metavar, help=shown)(command)
+        return command
+
+    return decorate
+
+
+def given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
+    """Those of the command's ``values`` that were given for the filters' options."""
+    found = {option: values[_parameter(option, prefix)] for option in _fields(*names)}
+    return {option: value for option, value in found.items() if value is not None}

@@ -1,0 +1,159 @@
+"""What ``wct`` prints: results to stdout; progress, warnings and errors to stderr, errors as one line."""
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import click
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from wct_plugin import files, stage_page
+from wct_plugin.errors import WctWarning
+from wct_plugin.report import Report
+from wct_plugin.result import Result
+from wct_plugin.stage import Filter, Options, Progress, ProgressCallback
+
+GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
+
+
+def _width(stream: Any) -> int | None:
+    return None if stream.isatty() else 120  # a pipe has no width of its own; rich would take 80 and cut tables
+
+
+out = Console(highlight=False, width=_width(sys.stdout))
+err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+
+
+# --- progress and Ctrl-C --------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def progress_bar() -> Iterator[ProgressCallback]:
+    """Show a bar on stderr; the first Ctrl-C asks the filter to stop and keep its best, the second one breaks."""
+    stop = threading.Event()
+
+    def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+        stop.set()  # and no more: the signal may have come in the middle of a print
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
+    with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+        task = bar.add_task("", total=1.0, bad="")
+        before = signal.getsignal(signal.SIGINT)
+
+        def show(state: Progress) -> bool:
+            if state.bad is not None:  # only a filter that has a best so far can be asked to keep it
+                signal.signal(signal.SIGINT, interrupt)
+            bad = "" if state.bad is None else f"{state.bad} bad"
+            new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
+            bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
+            if stop.is_set():
+                err.print("stopping; the best so far is kept (Ctrl-C again to give up)")
+                return False
+            return True
+
+        try:
+            yield show
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+
+# --- files ----------------------------------------------------------------------------------------------------------
+
+
+def write_text(path: str, text: str) -> None:
+    """Write a text file, or to stdout where ``path`` is ``-``."""
+    if path == "-":
+        click.echo(text)
+        return
+    with files.replacing(Path(path)) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def check_outputs(*paths: str | None) -> None:
+    """Find out before the work whether these can be written."""
+    for path in paths:
+        if path not in (None, "-"):
+            files.check_writable(Path(path))
+
+
+# --- tables ---------------------------------------------------------------------------------------------------------
+
+
+def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> Table:
+    """A table whose columns but the first stand to the right, unless ``left``."""
+    made = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    for index, name in enumerate(head):
+        made.add_column(name, justify="left" if index == 0 or left else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(Text(cell) for cell in row))
+    return made
+
+
+def print_report(report: Report) -> None:
+    """Everything a report has."""
+    out.print(Text(report.headline(), style="bold"))
+    out.print(table("Ranges", ("", "min", "max"), report.rows_ranges()))
+    out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
+    out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
+    out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
+    for title, lines in report.text_histograms():
+        out.print(Text(title, style="bold"))
+        for line in lines:
+            out.print(Text(line))
+    if report.worst:
+        out.print(table("Worst tets", report.worst_head(), report.rows_worst()))
+
+
+def print_before_after(before: Report, after: Report) -> None:
+    """Two reports side by side, and what is left to do in the second one."""
+    rows = [(name, old, new) for (name, old), (_, new) in zip(before.rows_summary(), after.rows_summary(), strict=True)]
+    out.print(table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
+    if left := after.left():
+        out.print(table(*left, left=True))
+    for note in after.notes:
+        out.print(Text(note))
+
+
+def print_result(result: Result) -> None:
+    """Each stage of a pipeline with its seconds and mesh, and which goals were met."""
+    rows = [(one.stage.type(), one.tag, f"{one.seconds:.1f}", one.size()) for one in result.stages]
+    out.print(table("Stages", ("stage", "tag", "seconds", "mesh"), rows, left=True))
+    for goal in result.goals:
+        out.print(Text(str(goal)))
+
+
+def print_page(stage: type[Filter[Options]]) -> None:
+    """One filter's page."""
+    out.print(Text(stage.type(), style="bold"), Text(f"({stage_page.takes_and_gives(stage)})"))
+    out.print(Text(stage_page.about(stage)))
+    out.print(table("Options", ("option", "default", "allowed", "what"), stage_page.option_rows(stage), left=True))
+    out.print(Text("Example", style="bold"))
+    for line in stage_page.example_lines(stage):
+        out.print(Text(line), soft_wrap=True)
+
+
+# --- errors and warnings --------------------------------------------------------------------------------------------
+
+
+def fail(message: str) -> int:
+    """Print an error as one line and give its exit code."""
+    err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
+    return FAILED
+
+
+def show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """Print one of our warnings as one line, in the place of :func:`warnings.showwarning`."""
+    if issubclass(category, WctWarning):
+        err.print(Text("warning: ", style="yellow") + Text(" ".join(str(message).split())), soft_wrap=True)

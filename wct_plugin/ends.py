@@ -1,0 +1,211 @@
+"""The ends of a pipeline: stages that read a mesh, and stages that write a mesh or its report."""
+
+import json
+import os
+from abc import abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field, field_validator
+
+from wct_plugin import files, report_page
+from wct_plugin.adapters import formats, meshio
+from wct_plugin.errors import InputError, OutputError
+from wct_plugin.flow import Flow, side_by_side
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.result import plain
+from wct_plugin.stage import Kind, Mesh, O_co, Options, Stage, check_kind
+
+_REPORTS = (".html", ".json")
+
+
+class Reader(Stage[O_co]):
+    """Gives the mesh that a pipeline starts from."""
+
+    family = "readers"
+
+    @abstractmethod
+    def kinds(self) -> frozenset[Kind]:
+        """The kinds of mesh it may give, as far as known before it has read."""
+
+    @abstractmethod
+    def read(self) -> Mesh:
+        """Give the mesh."""
+
+
+class Writer(Stage[O_co]):
+    """Writes what comes in and hands it on."""
+
+    family = "writers"
+    many: ClassVar[bool] = False  #: whether it takes several meshes at once
+
+    @property
+    @abstractmethod
+    def filename(self) -> str:
+        """The file it writes."""
+
+    @abstractmethod
+    def check_takes(self, kind: Kind) -> None:
+        """Raise a :class:`~wct_plugin.errors.WctError` unless it can write meshes of ``kind``."""
+
+    @abstractmethod
+    def pass_on(self, flow: Flow) -> Flow:
+        """What goes on to the next stage."""
+
+    @abstractmethod
+    def write(self, flows: Mapping[str, Flow]) -> None:
+        """Write the meshes or what is to be said of them; they come by tag, or by type where they have none."""
+
+
+def _path(value: Any) -> Any:
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+class FileOptions(Options):
+    """A file by name; relative names start at the working directory."""
+
+    filename: str = Field(min_length=1, description="The file; its suffix tells the format")
+
+    _as_text = field_validator("filename", mode="before")(_path)
+
+
+class SourceOptions(Options):
+    """A file by name, or from Python a mesh."""
+
+    model_config = ConfigDict(arbitrary_types_allowed=True)
+
+    filename: Any = Field(
+        description="The file; its suffix tells the format", json_schema_extra={"type": "string", "minLength": 1}
+    )
+
+    @field_validator("filename", mode="before")
+    @classmethod
+    def _name_or_mesh(cls, value: Any) -> Any:
+        value = _path(value)
+        if (isinstance(value, str) and value) or isinstance(value, TetMesh | SurfaceMesh):
+            return value
+        raise ValueError("must be the name of a mesh file")
+
+
+class ReadMesh(Reader[SourceOptions]):
+    """Read a surface or tet mesh in any format of :func:`wct_plugin.read`."""
+
+    name = "mesh"
+    declaration = SourceOptions
+
+    def kinds(self) -> frozenset[Kind]:  # noqa: D102
+        given = self.options.filename
+        if not isinstance(given, str):
+            return frozenset({type(given)})
+        form = formats.to_read(Path(given))
+        able: dict[Kind, bool] = {TetMesh: form.volume, SurfaceMesh: form.surface}
+        return frozenset(kind for kind, can in able.items() if can)
+
+    def validate(self) -> None:  # noqa: D102
+        given = self.options.filename
+        if isinstance(given, str):
+            formats.to_read(Path(given))
+            if not Path(given).exists():
+                raise InputError(f"{given}: no such file")
+
+    def read(self) -> Mesh:  # noqa: D102
+        given: Mesh | str = self.options.filename
+        return meshio.read(given) if isinstance(given, str) else given
+
+
+class WriteMesh(Writer[FileOptions]):
+    """Write the mesh in any format of :func:`wct_plugin.write` and hand it on."""
+
+    name = "mesh"
+    declaration = FileOptions
+
+    @property
+    def filename(self) -> str:  # noqa: D102
+        return self.options.filename
+
+    def validate(self) -> None:  # noqa: D102
+        files.check_writable(self.filename)
+
+    def check_takes(self, kind: Kind) -> None:  # noqa: D102
+        formats.to_write(Path(self.filename), volume=kind is TetMesh)
+
+    def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
+        return flow.into(self.filename)
+
+    def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
+        (flow,) = flows.values()
+        meshio.write(self.filename, flow.mesh)
+
+
+class ReportOptions(FileOptions):
+    """Where the report goes and what it lists."""
+
+    filename: str = Field(min_length=1, description="The file to write")
+    format: Literal["html", "json"] | None = Field(
+        None, description="html: a page that needs nothing else; json: numbers (none: as the file's suffix says)"
+    )
+    worst: int = Field(10, ge=0, description="How many of the worst tets to list")
+
+
+class WriteReport(Writer[ReportOptions]):
+    """Write the report of a tet mesh, or of several side by side, as an HTML page or as JSON, and hand the last one on.
+
+    JSON of one mesh is the object that ``wct report --json`` gives. JSON of several has the reports under their tags
+    and under ``filters`` the metrics of the filters that the last one came through. All are measured against the
+    reference of the last one.
+    """
+
+    name = "report"
+    declaration = ReportOptions
+    many = True
+
+    @property
+    def filename(self) -> str:  # noqa: D102
+        return self.options.filename
+
+    def _is_page(self) -> bool:
+        suffix = Path(self.filename).suffix.lower()
+        if self.options.format is None and suffix not in _REPORTS:
+            raise OutputError(f"{self.filename}: unknown suffix {suffix!r}; allowed are {' '.join(_REPORTS)}")
+        return (self.options.format or suffix.removeprefix(".")) == "html"
+
+    def validate(self) -> None:  # noqa: D102
+        if self._is_page():
+            report_page.check_available()
+        files.check_writable(self.filename)
+
+    def check_takes(self, kind: Kind) -> None:  # noqa: D102
+        check_kind(self.type(), TetMesh, kind)
+
+    def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
+        return flow
+
+    def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
+        reports = side_by_side(flows, self.options.worst)
+        if self._is_page():
+            sources = [one.source for one in reports.values() if one.source]
+            text = report_page.html(list(reports.values()), " → ".join(sources))
+        else:
+            text = json.dumps(report_content(flows, self.options.worst), indent=2)
+        with files.replacing(self.filename) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]:
+    """What :class:`WriteReport` writes as JSON."""
+    reports = {name: one.to_dict() for name, one in side_by_side(flows, worst).items()}
+    if len(reports) == 1:
+        return next(iter(reports.values()))
+    return {**reports, "filters": plain(list(flows.values())[-1].metrics)}
+
+
+#: Every reader and writer by type.
+ENDS: Mapping[str, type[Reader[Options]] | type[Writer[Options]]] = {
+    end.type(): end for end in (ReadMesh, WriteMesh, WriteReport)
+}
+
+
+def writer_type(filename: str) -> str:
+    """The type of writer that a file's name alone asks for."""
+    return (WriteReport if Path(filename).suffix.lower() in _REPORTS else WriteMesh).type()

@@ -1,0 +1,145 @@
+"""Can a surface be filled? Points welded, planar, repeated or collapsed triangles, open edges, and hollow shells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from wct_plugin import predicates
+from wct_plugin.errors import InputError
+from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.surface import enclosed_volume
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_FLAT = 1e-9  # thickness over diagonal below which a surface counts as planar
+
+
+def check_thick(surface: SurfaceMesh, who: str) -> None:
+    """Raise :class:`InputError` for a planar surface: meshers die on one, so that ``who`` is not asked."""
+    points = surface.points[np.unique(surface.triangles)]
+    centred = (points - points.mean(axis=0)) / (surface.diagonal or 1.0)
+    normal = np.linalg.svd(centred.T @ centred)[0][:, 2]
+    thickness = float(np.ptp(centred @ normal))
+    if thickness <= _FLAT:
+        raise InputError(
+            f"{label(surface)}the surface is planar, {thickness:.1e} of its diagonal thick; "
+            f"{who} needs one that encloses a volume"
+        )
+
+
+def weld(surface: SurfaceMesh) -> tuple[Floats, Ints]:
+    """The points (n, 3) that triangles use, each place once, and the triangles (k, 3) on them.
+
+    Raises :class:`InputError` for a triangle with two corners in one place, and for one that repeats another.
+    """
+    corners = surface.points[surface.triangles].reshape(-1, 3) + 0.0  # no negative zeros
+    points, inverse = np.unique(corners, axis=0, return_inverse=True)
+    triangles = inverse.reshape(-1, 3).astype(np.int64)
+    ordered = np.sort(triangles, axis=1)
+    same = ordered[:, 1:] == ordered[:, :-1]
+    collapsed = np.flatnonzero(same.any(axis=1))
+    if len(collapsed):
+        double = points[ordered[collapsed[0], np.argmax(same[collapsed[0]])]]
+        raise InputError(
+            f"{label(surface)}triangle {collapsed[0]} has two corners at {place(double)}{_and_more(collapsed)}; "
+            "its three corners must differ"
+        )
+    _, first, inverse = np.unique(ordered, axis=0, return_index=True, return_inverse=True)
+    repeats = np.flatnonzero(first[inverse.ravel()] != np.arange(len(ordered)))
+    if len(repeats):
+        twin = first[inverse.ravel()[repeats[0]]]
+        where = place(points[triangles[twin]].mean(axis=0))
+        raise InputError(
+            f"{label(surface)}triangle {repeats[0]} repeats triangle {twin}, at {where}{_and_more(repeats)}; "
+            "each may occur once"
+        )
+    return points, triangles
+
+
+def open_edge(points: Floats, triangles: Ints) -> str | None:
+    """A description of the first edge that is a side of one triangle only, or None where there is none."""
+    edges, _, sizes, owner = _edges(triangles)
+    single = np.flatnonzero(sizes == 1)
+    if not len(single):
+        return None
+    start, end = points[edges[single[0]]]
+    one = int(owner[single[0]])
+    return f"the edge from {place(start)} to {place(end)} is a side of triangle {one} only{_and_more(single)}"
+
+
+def flat_pieces(points: Floats, triangles: Ints, tags: Ints) -> Ints:
+    """(k,) a number per triangle, from 0, equal for neighbours of one tag that are coplanar, exactly."""
+    _, inverse, sizes, _ = _edges(triangles)
+    sides = np.argsort(inverse, kind="stable")
+    start = (np.cumsum(sizes) - sizes)[sizes == 2]
+    first, second = sides[start], sides[start + 1]
+    apex = triangles[second // 3, (second + 2) % 3]  # of the second triangle, the corner off the common edge
+    flat = predicates.orientation(points, np.column_stack([triangles[first // 3], apex])) == 0
+    flat &= tags[first // 3] == tags[second // 3]
+    count = len(triangles)
+    ones = np.ones(int(flat.sum()), np.int8)
+    graph = coo_array((ones, (first[flat] // 3, second[flat] // 3)), (count, count))
+    numbers: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
+    return numbers
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """A closed piece of a surface, no edge of it with other than two triangles, all facing the same side."""
+
+    corners: Floats  #: (k, 3, 3)
+    volume: float  #: negative where the triangles face inward
+
+    def encloses(self, point: Floats) -> bool:
+        """Is ``point`` (3,) inside? By the solid angle under which the shell is seen from there."""
+        a, b, c = np.moveaxis(self.corners - point, 1, 0)
+        la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+        products = [np.einsum("ij,ij->i", first, second) for first, second in ((a, b), (b, c), (c, a))]
+        height = np.einsum("ij,ij->i", np.cross(a, b), c)
+        angle = np.arctan2(height, la * lb * lc + products[0] * lc + products[1] * la + products[2] * lb)
+        return bool(abs(angle.sum()) > np.pi)  # 2 pi inside, 0 outside: half the solid angle
+
+
+def shells(points: Floats, triangles: Ints) -> list[Shell]:
+    """The closed, oriented pieces of a surface; pieces with open edges or more than two triangles at one are none."""
+    edges, inverse, sizes, _ = _edges(triangles)
+    ends = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    turns = np.bincount(inverse, weights=np.where(ends[:, 0] < ends[:, 1], 1, -1), minlength=len(edges))
+    sound = (sizes == 2) & (turns == 0)
+    count, size = len(triangles), len(triangles) + len(edges)
+    graph = coo_array((np.ones(len(inverse), np.int8), (np.arange(len(inverse)) // 3, count + inverse)), (size, size))
+    piece = connected_components(graph, directed=False)[1]
+    bad = np.unique(piece[count:][~sound])
+    members = [np.flatnonzero(piece[:count] == one) for one in np.setdiff1d(piece[:count], bad)]
+    return [Shell(points[triangles[own]], enclosed_volume(points, triangles[own])) for own in members]
+
+
+def in_cavity(point: Floats, walls: list[Shell]) -> bool:
+    """Whether ``point`` (3,) lies in a hollow: the smallest shell around it faces inward."""
+    around = [wall.volume for wall in walls if wall.encloses(point)]
+    return bool(around) and min(around, key=abs) < 0
+
+
+def label(surface: SurfaceMesh) -> str:
+    """What a message about the surface begins with."""
+    return f"{surface.source}: " if surface.source else ""
+
+
+def place(point: Floats) -> str:
+    """A point as messages show it."""
+    return "(" + ", ".join(f"{value:g}" for value in point) + ")"
+
+
+def _edges(triangles: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Every edge (e, 2) once, the edge of each triangle's side (3 k,), how many triangles it has, and the first."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, first, inverse, sizes = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    return edges, inverse.ravel().astype(np.int64), sizes.astype(np.int64), first.astype(np.int64) // 3
+
+
+def _and_more(found: Ints) -> str:
+    return f" (and {len(found) - 1} more)" if len(found) > 1 else ""
