@@ -107,7 +107,7 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
         const double length = norm(cloud.points[v] - cloud.points[w]) / (0.5 * (cloud.size[v] + cloud.size[w]));
         if (length > longest)
             far.emplace_back(-length, edge);
-        else if (length < shortest && !(divides[v] && divides[w]) &&
+        else if (length < (divides[v] && divides[w] ? 0.7 : 1.0) * shortest &&
                  (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
             near.emplace_back(length, edge);
     }
