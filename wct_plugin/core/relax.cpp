@@ -97,12 +97,18 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
 int mend(Cloud &cloud, const Reference &reference, const Complex &complex, double longest, double shortest) {
     std::vector<std::pair<double, std::array<int, 2>>> far;
     std::vector<std::pair<double, std::array<int, 2>>> near;
-    for (const auto &edge : surface_edges(complex)) {
+    const auto edges = surface_edges(complex);
+    std::vector<char> divides(cloud.count(), 0); // the angle of a patch at a corner; it takes a shorter edge to do so
+    for (const auto &[v, w] : edges)
+        if (cloud.role[v] == Stratum::corner || cloud.role[w] == Stratum::corner)
+            divides[v] = divides[w] = 1;
+    for (const auto &edge : edges) {
         const auto &[v, w] = edge;
         const double length = norm(cloud.points[v] - cloud.points[w]) / (0.5 * (cloud.size[v] + cloud.size[w]));
         if (length > longest)
             far.emplace_back(-length, edge);
-        else if (length < shortest && (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
+        else if (length < (divides[v] && divides[w] ? 0.7 : 1.0) * shortest &&
+                 (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
             near.emplace_back(length, edge);
     }
     PointGrid grid = surface_grid(cloud, 0.5);

@@ -104,7 +104,7 @@ void Search::polish() {
     }
 }
 
-bool Search::kick_until_good(const SearchProgress &progress, const char *phase) {
+bool Search::kick_until_good(const SearchProgress &progress, const char *phase, double patient) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
@@ -112,7 +112,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase) 
     long vain = 0; // kicks since there were fewer bad tets than ever before
     Price price;
     for (long done = 0; kicks_.bad() > 0; ++done) {
-        const long limit = patience(least);
+        const long limit = std::max(1L, static_cast<long>(patient * static_cast<double>(patience(least))));
         if (vain >= limit || !worthwhile(price, least))
             return false;
         if (done % rest == 0)
@@ -178,12 +178,13 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
-    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks") && report("kicks", 1.0);
+    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", 1.0) && report("kicks", 1.0);
     if (good) {
         polish();
         adopt(margin_form(options_.acute, options_.margin));
         sweep(1);
-        kick_until_good(progress, "margin");
+        constexpr double patient = 0.125; // of the patience for tets that miss the goal itself
+        kick_until_good(progress, "margin", patient);
     }
     SurfaceBalance(complex_, energy_, guide_, descent_).run();
     adopt(sharp_form(options_.acute));

@@ -56,7 +56,8 @@ class Search {
         void add(double evaluations, int fewer);
     };
     bool worthwhile(const Price &price, int bad) const;
-    bool kick_until_good(const SearchProgress &progress, const char *phase);
+    /// Kick until no tet is bad, or as long as it pays; `patient` is a share of the patience.
+    bool kick_until_good(const SearchProgress &progress, const char *phase, double patient);
     void polish();
     double clearance() const;
 

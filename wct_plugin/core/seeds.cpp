@@ -1,5 +1,7 @@
 #include "seeds.h"
 
+#include "seed_corners.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -315,6 +317,7 @@ Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing 
     for (const int v : reference.data().corners)
         cloud.add(reference.data().points[v], Stratum::corner, v, size_at(sizing, reference.data().points[v]));
     seed_curves(cloud, reference, sizing);
+    seed_corners(cloud, reference);
     seed_patches(cloud, reference, sizing, form, random);
     seed_inside(cloud, reference, map, sizing, form, random);
     retract(cloud, reference);

@@ -19,8 +19,8 @@ struct SeedForm {
     static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
 };
 
-/// Corners, evenly spaced points on curves, blue noise on patches, and inside a body-centered cubic lattice whose cell
-/// follows the size field in steps.
+/// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
+/// body-centered cubic lattice whose cell follows the size field in steps.
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
                  Random &random);
 

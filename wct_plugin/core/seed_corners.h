@@ -1,0 +1,13 @@
+#pragma once
+
+#include "cloud.h"
+#include "reference.h"
+
+namespace wct {
+
+/// Points round the corners of a cloud that has points on its curves: where two creases enclose a wide angle of a
+/// patch, a facet from one to the other is not acute, so each such angle is divided by patch points as far from the
+/// corner as its creases' nearest points are.
+void seed_corners(Cloud &cloud, const Reference &reference);
+
+} // namespace wct
