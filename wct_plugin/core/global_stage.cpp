@@ -169,14 +169,16 @@ void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference
     sizing.grade();
 }
 
-/// Corners of facets that cut across from one planar patch to another, beyond the tolerance: nothing brings such a
-/// facet back, as planes are kept by keeping their vertices in them.
+/// Corners of facets that cut far across from one planar patch to another: nothing brings such a facet back, as planes
+/// are kept by keeping their vertices in them. Where single triangles of noise are patches, some are a little off; to
+/// give up the whole start for them would cost far more.
 std::vector<int> across_planes(const Cloud &cloud, const Complex &complex, const Reference &reference,
                                double tolerance) {
+    constexpr double far = 4.0; // tolerances
     const auto off = [&](const std::array<int, 3> &facet) {
         const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
         for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
-            if (reference.nearest(p).distance > tolerance)
+            if (reference.nearest(p).distance > far * tolerance)
                 return true;
         return false;
     };
