@@ -183,16 +183,11 @@ std::vector<int> across_planes(const Cloud &cloud, const Complex &complex, const
         return false;
     };
     std::vector<int> corners;
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
-        for (int i = 0; i < 4; ++i) {
-            if (!complex.on_surface(t, i))
-                continue;
-            const auto facet = complex.facet(t, i);
-            if (shared_patches(cloud, reference, facet).empty() &&
-                std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
-                off(facet))
-                corners.insert(corners.end(), facet.begin(), facet.end());
-        }
+    for (const auto &facet : surface_facets(complex))
+        if (shared_patches(cloud, reference, facet).empty() &&
+            std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
+            off(facet))
+            corners.insert(corners.end(), facet.begin(), facet.end());
     return corners;
 }
 
@@ -264,14 +259,6 @@ Flaws represent(Cloud &cloud, const Reference &reference, const RegionMap &map, 
     }
     touched = flaws.pinched;
     return mend_pinches(cloud, reference, complex, std::move(flaws));
-}
-
-std::size_t surface_facets(const Complex &complex) {
-    std::size_t count = 0;
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
-        for (int i = 0; i < 4; ++i)
-            count += complex.on_surface(t, i);
-    return count;
 }
 
 /// A mesh the local search may start from.
@@ -384,7 +371,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         if (next.intact || next.tally.bad + next.off < best.tally.bad + best.off)
             best = std::move(next);
     }
-    const double few = form.few_off * static_cast<double>(surface_facets(best.complex));
+    const double few = form.few_off * static_cast<double>(surface_facets(best.complex).size());
     if (best.intact && static_cast<double>(best.off) > few && !monitor.stopped()) {
         shrink(measure_deviation(best.cloud, best.complex, reference), sizing, form);
         Start next = run();

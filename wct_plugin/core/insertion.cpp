@@ -126,39 +126,30 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     if (!guide_.admit(vertex, vertex.position))
         return std::nullopt;
     const Vec3 x = vertex.position;
-    // The facets that make room, across edges that are no creases; each edge of one of them only is on their rim.
+    // The facets that make room, across edges that are no creases; an edge of one of them only is on their rim.
     std::vector<Facet> open{sorted(at[0], at[1], at[2])};
-    std::vector<Edge> rim;
+    std::vector<Edge> edges;
     std::vector<Facet> facets;
     std::vector<int> patches;
     for (std::size_t k = 0; k < open.size(); ++k)
         for (int i = 0; i < 3; ++i) {
             const Edge edge = sorted(open[k][i], open[k][(i + 1) % 3]);
-            Facet beyond{-1, -1, -1};
-            complex_.surface_at(edge[0], facets, patches);
-            if (complex_.curve_of(edge[0], edge[1]) < 0)
-                for (std::size_t n = 0; n < facets.size(); ++n) {
-                    const Facet key = sorted(facets[n][0], facets[n][1], facets[n][2]);
-                    if (patches[n] == patch && key != open[k] &&
-                        std::find(key.begin(), key.end(), edge[1]) != key.end())
-                        beyond = key;
-                }
-            if (std::find(open.begin(), open.end(), beyond) != open.end())
+            edges.push_back(edge);
+            if (complex_.curve_of(edge[0], edge[1]) >= 0)
                 continue;
-            if (beyond[0] >= 0 && in_facet_sphere(complex_.corners(beyond), x))
-                open.push_back(beyond);
-            else
-                rim.push_back(edge);
+            complex_.surface_at(edge[0], facets, patches);
+            for (std::size_t n = 0; n < facets.size(); ++n) {
+                const Facet key = sorted(facets[n][0], facets[n][1], facets[n][2]);
+                if (patches[n] == patch && std::find(key.begin(), key.end(), edge[1]) != key.end() &&
+                    std::find(open.begin(), open.end(), key) == open.end() && in_facet_sphere(complex_.corners(key), x))
+                    open.push_back(key);
+            }
         }
-    // A facet may have joined after one of its neighbours put their edge on the rim.
-    std::sort(rim.begin(), rim.end());
-    std::erase_if(rim, [&](const Edge &edge) {
-        int uses = 0;
-        for (const Facet &f : open)
-            uses +=
-                std::find(f.begin(), f.end(), edge[0]) != f.end() && std::find(f.begin(), f.end(), edge[1]) != f.end();
-        return uses > 1;
-    });
+    std::sort(edges.begin(), edges.end());
+    std::vector<Edge> rim;
+    for (const Edge &edge : edges)
+        if (std::count(edges.begin(), edges.end(), edge) == 1)
+            rim.push_back(edge);
     for (const Facet &f : open)
         for (int w : f)
             if (std::none_of(rim.begin(), rim.end(), [&](const Edge &e) { return e[0] == w || e[1] == w; }))

@@ -114,16 +114,20 @@ Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, cons
     return complex;
 }
 
+std::vector<std::array<int, 3>> surface_facets(const Complex &complex) {
+    std::vector<std::array<int, 3>> facets;
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            if (complex.on_surface(t, i))
+                facets.push_back(complex.facet(t, i));
+    return facets;
+}
+
 std::vector<std::array<int, 2>> surface_edges(const Complex &complex) {
     std::vector<std::array<int, 2>> edges;
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-        for (int i = 0; i < 4; ++i) {
-            if (!complex.on_surface(static_cast<int>(t), i))
-                continue;
-            const auto f = complex.facet(static_cast<int>(t), i);
-            for (int k = 0; k < 3; ++k)
-                edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
-        }
+    for (const auto &f : surface_facets(complex))
+        for (int k = 0; k < 3; ++k)
+            edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     return edges;

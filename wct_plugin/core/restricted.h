@@ -40,6 +40,9 @@ struct Flaws {
 };
 Flaws find_flaws(const Cloud &cloud, const Complex &complex);
 
+/// Facets of the boundary and the interfaces, each once, outward or out of the region with the smaller number.
+std::vector<std::array<int, 3>> surface_facets(const Complex &complex);
+
 /// Edges of the boundary and the interfaces, each once, ends ascending.
 std::vector<std::array<int, 2>> surface_edges(const Complex &complex);
 

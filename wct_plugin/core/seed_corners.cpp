@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace wct {
 
@@ -33,10 +34,13 @@ struct Opening {
 
 void seed_corners(Cloud &cloud, const Reference &reference) {
     const auto &data = reference.data();
-    std::map<std::pair<int, int>, Opening> openings; // vertex, patch
+    const std::set<int> corners(data.corners.begin(), data.corners.end());
+    std::map<std::pair<int, int>, Opening> openings; // corner, patch
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
             const int v = data.triangles[t][k];
+            if (!corners.contains(v))
+                continue;
             const Vec3 p = data.points[data.triangles[t][(k + 1) % 3]] - data.points[v];
             const Vec3 q = data.points[data.triangles[t][(k + 2) % 3]] - data.points[v];
             const double angle = std::atan2(norm(cross(p, q)), dot(p, q));

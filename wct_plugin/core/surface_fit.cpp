@@ -21,18 +21,14 @@ Vec3 blend(const Cloud &cloud, const Tie &tie) {
 
 std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference) {
     const auto &data = reference.data();
-    std::vector<std::array<int, 3>> facets;
+    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
     std::vector<Box> boxes;
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
-        for (int i = 0; i < 4; ++i) {
-            if (!complex.on_surface(t, i))
-                continue;
-            facets.push_back(complex.facet(t, i));
-            Box box;
-            for (const int v : facets.back())
-                box.add(cloud.points[v]);
-            boxes.push_back(box);
-        }
+    for (const auto &facet : facets) {
+        Box box;
+        for (const int v : facet)
+            box.add(cloud.points[v]);
+        boxes.push_back(box);
+    }
     const BoxTree tree(boxes);
     std::vector<Tie> ties;
     int hint = 0;

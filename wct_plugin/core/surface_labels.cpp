@@ -63,20 +63,16 @@ SurfaceLabels label_surface(const Cloud &cloud, const Complex &complex, const Re
         int facets = 0;
     };
     std::map<Edge, Patches> edges; // ordered: the result does not depend on addresses
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
-        for (int i = 0; i < 4; ++i) {
-            if (!complex.on_surface(t, i))
-                continue;
-            const Facet facet = complex.facet(t, i);
-            const int patch = patch_of(cloud, reference, facet);
-            out.facets.push_back(facet);
-            out.patch.push_back(patch);
-            for (int k = 0; k < 3; ++k) {
-                const int a = facet[k], b = facet[(k + 1) % 3];
-                auto &seen = edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, Patches{patch}).first->second;
-                seen.crease |= seen.first != patch || ++seen.facets > 2;
-            }
+    out.facets = surface_facets(complex);
+    for (const Facet &facet : out.facets) {
+        const int patch = patch_of(cloud, reference, facet);
+        out.patch.push_back(patch);
+        for (int k = 0; k < 3; ++k) {
+            const int a = facet[k], b = facet[(k + 1) % 3];
+            auto &seen = edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, Patches{patch}).first->second;
+            seen.crease |= seen.first != patch || ++seen.facets > 2;
         }
+    }
     const std::map<Edge, int> slit = slits(cloud, reference);
     for (const auto &[edge, seen] : edges) {
         if (const auto found = slit.find(edge); found != slit.end()) {
