@@ -119,7 +119,7 @@ class Certificate:
                 _LABELS.get(name, name),
                 f"{check.elements} {CHECKS[name]}",
                 str(check.violations),
-                str(check.ties),
+                str(check.ties) if name != "conformity" else "-",
                 str(check.exactly),
             )
             for name, check in self.checks.items()

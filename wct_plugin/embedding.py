@@ -10,14 +10,15 @@ of them meet in a common face or not at all, if
 Shells are the classes of boundary facets that are joined by edges at which exactly two boundary facets meet.
 
 Proof. Let N(x) be the number of tets around a point x on no facet. By 1, N changes at boundary facets only, and by 2
-it changes by one there, from N outside to N + 1 inside. Near an edge where exactly two boundary facets meet they are, by
-2, all of the boundary, and they induce opposite directions on the edge, so both have the same side outside: N outside
-is the same all along a shell. By 3 it is 0. A way from infinity, where N = 0, to a point with N = 2 would cross a facet
-from 1 to 2, with N = 1 outside; so N <= 1 and interiors are disjoint. Now let x be in two tets A and B, inside the face
-F of A and the face G of B. If both are faces of boundary facets, F = G by 2. Otherwise one of them, say F, is in none, so
-that the tets around F, all matched across the facets at F, cover all that is near x; B has points near x too, is one
-of these tets as N <= 1, has F as a face, and so F = G. Conversely, a mesh that violates 1, 2 or 3 is not of this kind.
-Nothing else is assumed; the boundary need not be a manifold, and the mesh may be in several pieces.
+it changes by one there, from N outside to N + 1 inside. Near an edge where exactly two boundary facets meet they are,
+by 2, all of the boundary, and they induce opposite directions on the edge, so both have the same side outside: N
+outside is the same all along a shell. By 3 it is 0. A way from infinity, where N = 0, to a point with N = 2 would
+cross a facet from 1 to 2, with N = 1 outside; so N <= 1 and interiors are disjoint. Now let x be in two tets A and B,
+inside the face F of A and the face G of B. If both are faces of boundary facets, F = G by 2. Otherwise one of them,
+say F, is in none, so that the tets around F, all matched across the facets at F, cover all that is near x; B has
+points near x too, is one of these tets as N <= 1, has F as a face, and so F = G. Conversely, a mesh that violates 1,
+2 or 3 is not of this kind. Nothing else is assumed; the boundary need not be a manifold, and the mesh may be in
+several pieces.
 """
 
 from dataclasses import dataclass
