@@ -199,8 +199,13 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
     """(k, 2) the tet of one facet of each shell, and another tet that has the middle of that facet in it."""
     triangles = mesh.topology.boundary
     chosen = np.unique(_shells(triangles, len(mesh.points)), return_index=True)[1]
-    corners, cells = mesh.points[triangles[chosen]], mesh.points[mesh.tets]
-    pairs = overlapping(corners.min(axis=1), corners.max(axis=1), cells.min(axis=1), cells.max(axis=1))
+    corners = mesh.points[triangles[chosen]]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    sides = [mesh.points[mesh.tets[:, k]] for k in range(4)]
+    tet_low, tet_high = np.minimum.reduce(sides), np.maximum.reduce(sides)
+    near = np.flatnonzero(((tet_low <= high.max(axis=0)) & (low.min(axis=0) <= tet_high)).all(axis=1))
+    pairs = overlapping(low, high, tet_low[near], tet_high[near])
+    pairs[:, 1] = near[pairs[:, 1]]
     own = mesh.topology.boundary_half_facets[chosen, 0]
     pairs = pairs[own[pairs[:, 0]] != pairs[:, 1]]
     for facet in FACETS:
