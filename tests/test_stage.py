@@ -46,6 +46,7 @@ def test_our_filters_are_registered():
         "compute_scalar_by_well_centeredness",
         "create_cube",
         "create_cube_corner",
+        "create_from_voxels",
         "create_lattice_tiling",
         "create_tetrahedron",
         "create_tetrahedron_subdivision",
