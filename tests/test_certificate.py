@@ -10,7 +10,7 @@ import pytest
 from builders import PAPER_TETS, bcc, delaunay, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation, single
 from certifying import share_more_than_a_face
 
-from wct_plugin import cli, quality
+from wct_plugin import bundled, cli, quality
 from wct_plugin.certificate import certify
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import TetMesh
@@ -104,6 +104,15 @@ def test_a_rotated_tiling_is_proven_completely_well_centered(seed):
     found = certify(TetMesh(mesh.points @ rotation(seed).T + 7.0, mesh.tets))
     assert found.valid
     assert all(found.meets(goal) for goal in ("delaunay", "3wc", "2wc", "cwc"))
+
+
+@pytest.mark.parametrize("name", bundled.names())
+def test_bundled_meshes_are_proven_as_they_are(name):
+    found = certify(TetMesh(*bundled.load(name)))
+    assert found.valid
+    assert found.meets("3wc")
+    assert found.meets("delaunay")
+    assert found.meets("cwc") == (name not in ("cube_30", "cube_32", "cube_33"))
 
 
 # --- conformity -----------------------------------------------------------------------------------------------------
