@@ -200,8 +200,8 @@ def _check_facets(said: str, surface: SurfaceMesh, points: Floats, triangles: In
         first, second = points[int(found[1])], points[int(found[2])]
         distance = float(np.linalg.norm(first - second))
         raise InputError(
-            f"{label(surface)}the points at {show_row(first)} and {show_row(second)} are {distance:.1e} apart, too close "
-            "for TetGen, which tells points apart down to 1e-8 of the diagonal; merge close vertices first"
+            f"{label(surface)}the points at {show_row(first)} and {show_row(second)} are {distance:.1e} apart, too "
+            "close for TetGen, which tells points apart down to 1e-8 of the diagonal; merge close vertices first"
         )
     found_pairs = re.findall(r"Facet #(\d+) intersects facet #(\d+)", said)
     pairs = {tuple(sorted((int(first) - 1, int(second) - 1))) for first, second in found_pairs}
