@@ -241,7 +241,7 @@ def _points(values: ArrayLike) -> Floats:
         raise InputError(f"points have shape {points.shape}; allowed is (n, 3)")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
-        raise InputError(f"point {bad[0]} is {_row(points[bad[0]])}{_and_more(bad)}; coordinates must be finite")
+        raise InputError(f"point {bad[0]} is {show_row(points[bad[0]])}{and_more(bad)}; coordinates must be finite")
     return points
 
 
@@ -259,7 +259,7 @@ def _check_range(cells: Ints, count: int) -> None:
     if len(bad):
         kind = _KIND[cells.shape[1]]
         raise InputError(
-            f"{kind} {bad[0]} is {_row(cells[bad[0]])}{_and_more(bad)}; indices must lie in 0..{count - 1}"
+            f"{kind} {bad[0]} is {show_row(cells[bad[0]])}{and_more(bad)}; indices must lie in 0..{count - 1}"
         )
 
 
@@ -274,7 +274,7 @@ def _check_distinct(tets: Ints) -> None:
     repeated = np.concatenate([*bad, np.empty(0, dtype=np.int64)])
     if len(repeated):
         raise InputError(
-            f"tet {repeated[0]} is {_row(tets[repeated[0]])}{_and_more(repeated)}; its four vertices must differ"
+            f"tet {repeated[0]} is {show_row(tets[repeated[0]])}{and_more(repeated)}; its four vertices must differ"
         )
     ascending = np.sort(keys)
     alike = np.flatnonzero(np.isin(keys, ascending[1:][ascending[1:] == ascending[:-1]]))
@@ -285,22 +285,19 @@ def _check_distinct(tets: Ints) -> None:
     if len(twins):
         first, second = sorted((int(alike[order[twins[0]]]), int(alike[order[twins[0] + 1]])))
         raise InputError(
-            f"tet {second} repeats tet {first}, vertices {_row(tets[first])}{_and_more(twins)}; each may occur once"
+            f"tet {second} repeats tet {first}, vertices {show_row(tets[first])}{and_more(twins)}; each may occur once"
         )
 
 
 def _orient(points: Floats, tets: Ints) -> tuple[Ints, int]:
     """Turn negative tets round; the sign is exact, so that afterwards every volume is truly positive."""
-    signs = predicates.orientation(points, tets)
+    turned, signs = predicates.turned(points, tets)
     flat = np.flatnonzero(signs == 0)
     if len(flat):
         raise InputError(
-            f"tet {flat[0]}, vertices {_row(tets[flat[0]])}, has zero volume{_and_more(flat)}; it must not"
+            f"tet {flat[0]}, vertices {show_row(tets[flat[0]])}, has zero volume{and_more(flat)}; it must not"
         )
-    negative = signs < 0
-    if negative.any():
-        tets[negative] = tets[negative][:, [0, 1, 3, 2]]
-    return tets, int(negative.sum())
+    return turned, int((signs < 0).sum())
 
 
 def _tags(values: ArrayLike | None, count: int, kind: str) -> Ints:
@@ -336,9 +333,11 @@ def _sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, I
     return out
 
 
-def _row(values: NDArray[Any]) -> str:
+def show_row(values: NDArray[Any]) -> str:
+    """A point, or the vertices of a cell, as messages show them."""
     return "(" + ", ".join(f"{value:g}" if values.dtype.kind == "f" else str(value) for value in values) + ")"
 
 
-def _and_more(found: NDArray[Any]) -> str:
+def and_more(found: NDArray[Any]) -> str:
+    """What a message that names the first of ``found`` says of the others."""
     return f" (and {len(found) - 1} more)" if len(found) > 1 else ""
