@@ -25,13 +25,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from wct_plugin import predicates
 from wct_plugin.boxes import overlapping
 from wct_plugin.mesh import TetMesh
 from wct_plugin.signs import Polynomial, signs
+from wct_plugin.surface import components, surface_edges
 from wct_plugin.topology import FACETS
 
 Floats = NDArray[np.float64]
@@ -217,12 +216,6 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
 
 def _shells(triangles: Ints, count: int) -> Ints:
     """(b,) a label per boundary facet, equal where edges with exactly two boundary facets join them."""
-    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    keys = ends[:, 0] * count + ends[:, 1]
-    order = np.argsort(keys, kind="stable")
-    _, starts, times = np.unique(keys[order], return_index=True, return_counts=True)
-    starts = starts[times == 2]
-    joined = order[starts] % len(triangles), order[starts + 1] % len(triangles)
-    graph = coo_array((np.ones(len(starts), dtype=np.int8), joined), shape=(len(triangles),) * 2)
-    labels: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
-    return labels
+    _, owners, starts, sizes, _ = surface_edges(triangles, count)
+    pairs = starts[sizes == 2]
+    return components(owners[pairs], owners[pairs + 1], len(triangles))
