@@ -191,11 +191,11 @@ def _two_meshes(rng):
 
 
 @pytest.mark.parametrize("make", [_one_vertex_elsewhere, _two_meshes])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_agrees_with_all_pairs_of_tets(make, seed):
     rng = np.random.default_rng(seed)
     verdicts = []
-    while len(verdicts) < 8:
+    while len(verdicts) < 6:
         try:
             mesh = make(rng)
             found = certify(mesh)
@@ -204,7 +204,7 @@ def test_agrees_with_all_pairs_of_tets(make, seed):
         sound = not any(share_more_than_a_face(mesh.points, *pair) for pair in combinations(mesh.tets, 2))
         assert found.valid == sound
         verdicts.append(sound)
-    assert 0 < sum(verdicts) < 8
+    assert 0 < sum(verdicts) < 6
 
 
 # --- where it is shown ----------------------------------------------------------------------------------------------
