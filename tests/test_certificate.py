@@ -10,6 +10,7 @@ import pytest
 from builders import PAPER_TETS, bcc, delaunay, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation, single
 from certifying import share_more_than_a_face
 
+import wct_plugin as wct
 from wct_plugin import bundled, cli, quality
 from wct_plugin.certificate import certify
 from wct_plugin.embedding import _crossing, _Judge
@@ -114,6 +115,15 @@ def test_bundled_meshes_are_proven_as_they_are(name):
     assert found.meets("3wc")
     assert found.meets("delaunay")
     assert found.meets("cwc") == (name not in ("cube_30", "cube_32", "cube_33"))
+
+
+def test_a_ball_of_voxels_is_proven_completely_well_centered_in_every_tet():
+    grid = np.indices((8, 8, 8)) - 3.5
+    mesh, _ = wct.apply_filter("create_from_voxels", voxels=(grid**2).sum(axis=0) <= 16, spacing=0.1)
+    found = certify(mesh)
+    assert found.meets("cwc")
+    assert found.checks["3wc"].elements == 194 * ((grid**2).sum(axis=0) <= 16).sum()
+    assert found.checks["3wc"].exactly == 0
 
 
 # --- conformity -----------------------------------------------------------------------------------------------------
@@ -259,8 +269,6 @@ def test_in_the_report(tmp_path):
 
 
 def test_on_the_command_line(tmp_path, capsys):
-    import wct_plugin as wct
-
     for name, mesh in (("good", bcc(2)), ("bad", _joined(regular_tet(), regular_tet())), ("flat", kuhn_cube(1))):
         wct.write(tmp_path / f"{name}.vtu", mesh)
     good, bad, flat = (str(tmp_path / f"{name}.vtu") for name in ("good", "bad", "flat"))
