@@ -8,12 +8,17 @@ from numpy.typing import NDArray
 #: Shewchuk 1997, "Adaptive precision floating-point arithmetic", error bound A of orient3d: (7 + 56 eps) eps.
 _ORIENT_BOUND = (7.0 + 56.0 * 2.0**-53) * 2.0**-53
 
+_CHUNK = 1 << 16  # tets whose intermediate numbers, some thirty of each, are in memory at once
+
 
 def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray[np.int64]:
     """Exact sign of det(x1-x0, x2-x0, x3-x0) per tet: 1, -1, or 0 for four coplanar points.
 
     ``points`` (n, 3) finite, ``tets`` (m, 4); returns (m,).
     """
+    if len(tets) > _CHUNK:
+        starts = range(0, len(tets), _CHUNK)
+        return np.concatenate([orientation(points, tets[start : start + _CHUNK]) for start in starts])
     # Rounded differences carry an error the filter's bound accounts for; overflow leaves NaN, which it never accepts.
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         a, b, c = ((points[tets[:, i]] - points[tets[:, 0]]).T for i in (1, 2, 3))
