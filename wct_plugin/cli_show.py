@@ -17,7 +17,7 @@ from rich.progress import Progress as ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from wct_plugin import files, stage_page
+from wct_plugin import certificate, files, stage_page
 from wct_plugin.errors import WctWarning
 from wct_plugin.report import Report
 from wct_plugin.result import Result
@@ -114,6 +114,11 @@ def print_report(report: Report) -> None:
             out.print(Text(line))
     if report.worst:
         out.print(table("Worst tets", report.worst_head(), report.rows_worst()))
+    if report.certificate:
+        title = f"Exact certificate, {report.certificate.headline()}"
+        out.print(table(title, certificate.HEAD, report.certificate.rows()))
+        for line in report.certificate.lines():
+            out.print(Text(line), soft_wrap=True)
 
 
 def print_before_after(before: Report, after: Report) -> None:
