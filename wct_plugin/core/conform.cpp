@@ -13,13 +13,15 @@ namespace wct {
 
 namespace {
 
+constexpr double kOff = 0.4; // width, in radii, of where a point may come for a circle's center: squares make squares
+
 /// One round: the complex of the points as they are, and what is wrong with it.
 class Round {
   public:
     Round(ConformingCloud &points, const Reference &reference, const RegionMap &map, const ConformForm &form,
           Random &random)
         : points_(points), cloud_(points.points()), reference_(reference), map_(map), form_(form), random_(random) {
-        complex_ = restricted_delaunay(cloud_, reference, map);
+        complex_ = labelled_delaunay(cloud_, reference, map);
         spheres_.resize(complex_.all.tets.size());
         for (std::size_t t = 0; t < spheres_.size(); ++t) {
             const auto &[a, b, c, d] = complex_.all.tets[t];
@@ -97,12 +99,14 @@ class Round {
                 if (i != open[0] && i != open[1])
                     lost[n++] = tet[i];
             std::sort(lost.begin(), lost.end());
-            const Vec3 p = cloud_.points[lost[0]], q = cloud_.points[made[0]];
-            const Vec3 n = unit(cross(cloud_.points[lost[1]] - p, cloud_.points[made[1]] - q));
             wrong = wrong || share(t, open[0], made[1]) + share(t, open[1], made[0]) <= 0.0;
-            if (!wrong || std::binary_search(kept.begin(), kept.end(), lost) ||
-                std::fabs(dot(n, q - p)) > form_.tolerance)
+            const Vec3 middle = 0.5 * (cloud_.points[made[0]] + cloud_.points[made[1]]);
+            if (!wrong || std::binary_search(kept.begin(), kept.end(), lost))
                 continue;
+            if (const Foot foot = reference_.nearest(middle); foot.distance > form_.held * form_.tolerance) {
+                ridges_.push_back({t, foot});
+                continue;
+            }
             complex_.region[t] = -1;
             for (const int next : complex_.all.neighbours[t])
                 if (next >= 0)
@@ -155,7 +159,13 @@ class Round {
     }
 
     void mend_surface() {
-        faults_.surface = flaws_.exposed.size() + flaws_.pinched.size();
+        std::vector<char> used(cloud_.count(), 0);
+        for (std::size_t t = 0; t < complex_.all.tets.size(); ++t)
+            if (complex_.region[t] >= 0)
+                for (const int v : complex_.all.tets[t])
+                    used[v] = 1;
+        const auto bare = static_cast<std::size_t>(std::count(used.begin(), used.end(), 0));
+        faults_.surface = flaws_.exposed.size() + flaws_.pinched.size() + bare;
         for (const int v : flaws_.exposed)
             gone_[v] = 1;
         std::vector<char> pinched(cloud_.count(), 0);
@@ -169,7 +179,7 @@ class Round {
                 continue;
             const bool touches = pinched[f[0]] || pinched[f[1]] || pinched[f[2]];
             Foot worst;
-            worst.distance = shared.empty() ? -1.0 : 0.7 * form_.tolerance;
+            worst.distance = shared.empty() ? -1.0 : form_.held * form_.tolerance;
             for (const Vec3 &p : {(1.0 / 3.0) * (at[0] + at[1] + at[2]), 0.5 * (at[0] + at[1]), 0.5 * (at[1] + at[2]),
                                   0.5 * (at[2] + at[0])}) {
                 const Foot foot = reference_.nearest(p);
@@ -189,6 +199,15 @@ class Round {
     }
 
     void mend_outer() {
+        // Where a bend is too sharp for the flip that would help, a point on it halves what the flip cuts off.
+        for (const auto &[t, foot] : ridges_) {
+            const auto &tet = complex_.all.tets[t];
+            double size = 0.0;
+            for (const int v : tet)
+                size += 0.25 * cloud_.size[v];
+            if (complex_.region[t] >= 0)
+                points_.insert_on_patch(foot.point, reference_.data().patch[foot.triangle], size, 0.1 * size);
+        }
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
             for (int i = 0; i < 4; ++i) {
                 if (complex_.region[t] < 0 || complex_.beyond(t, i) >= 0 || !beyond(t, i))
@@ -247,7 +266,7 @@ class Round {
             ++faults_.edges;
             split_facet(*std::min_element(outer.begin(), outer.end(),
                                           [&](const auto &f, const auto &g) { return cosine(f) < cosine(g); }),
-                        0.0);
+                        kOff);
         }
     }
 
@@ -299,7 +318,7 @@ class Round {
     }
 
     void mend_tie(int t, int i, int other, std::vector<char> &moved) {
-        constexpr double flat = 1e-6, step = 0.03, off = 0.4;
+        constexpr double flat = 1e-6, step = 0.03;
         const auto f = complex_.facet(t, i);
         const int apex = complex_.all.tets[t][i];
         // Four surface points on a circle are on one sphere with every fifth: only a point between them helps.
@@ -314,9 +333,9 @@ class Round {
                 std::fabs(norm(last - ball.center) - ball.radius) > flat * ball.radius)
                 continue;
             if (!shared_patches(cloud_, reference_, four).empty()) {
-                split_facet({four[0], four[1], four[2]}, off);
+                split_facet({four[0], four[1], four[2]}, kOff);
             } else {
-                const Vec3 p = ball.center + 0.5 * off * ball.radius * unit(random_.normal3());
+                const Vec3 p = ball.center + 0.5 * kOff * ball.radius * unit(random_.normal3());
                 points_.insert_inside(p, complex_.region[t], size_of(f), 0.4 * ball.radius);
             }
             return;
@@ -350,6 +369,7 @@ class Round {
     Random &random_;
     Complex complex_;
     std::vector<Sphere> spheres_;
+    std::vector<std::pair<int, Foot>> ridges_; // slivers on a bend too sharp to take them off
     Flaws flaws_;
     Faults faults_;
     std::vector<char> gone_;
