@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, edge_length, fixed_facets, quality, starts
+from wct_plugin import _core, conforming, edge_length, fixed_facets, quality, starts
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
+from wct_plugin.goals import DUAL, misses
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
 from wct_plugin.reference import Reference, gap, own_boundary
@@ -37,6 +38,8 @@ _KICKS = 4000
 #: What a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond), where the surface or its
 #: vertices stay and nobody knows whether there is one; more where flips of the surface can help too.
 _WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": np.inf}
+#: Of the tolerance, tried in turn where the surface is made to conform: it is measured at few points on the way.
+_SHARES = (1.0, 0.6)
 
 
 class MeshingOptions(Options):
@@ -44,8 +47,10 @@ class MeshingOptions(Options):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
-    goal: Literal["3wc", "cwc"] = Field(
-        "cwc", description="3wc: every tet contains its circumcenter; cwc: every triangle too"
+    goal: Literal["delaunay", "one-sided", "3wc", "cwc"] = Field(
+        "cwc",
+        description="delaunay: no vertex inside a tet's sphere; one-sided: all signed duals positive too;"
+        " 3wc: every tet contains its circumcenter; cwc: every triangle too",
     )
     boundary: Literal["move", "keep", "fixed"] = Field(
         "move", description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay"
@@ -115,6 +120,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         wanted = edge_length.at_points(options.edge_length, mesh)
         moves = options.boundary == "move"
         own = own_boundary(mesh, options.crease_angle)
+        if options.goal in DUAL:
+            return self._conform(mesh, own, surface, progress)
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
@@ -129,7 +136,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
         measured = quality.measure(mesh)
-        listen = _Listener(progress, self._bad(measured))
+        listen = _Listener(progress, self._bad(mesh, measured))
         start = None
         if not moves:
             start = self._pinned_start(mesh, own, wanted, listen)
@@ -144,7 +151,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         better = carry(mesh, own.strata, _resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
-        gain = self._bad(measured) * len(after) - self._bad(after) * len(measured)
+        gain = self._bad(mesh, measured) * len(after) - self._bad(better, after) * len(measured)
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
@@ -156,12 +163,53 @@ class MeshingWellCentered(Filter[MeshingOptions]):
 
     def _share(self, start: Start) -> float:
         """Of the tets that miss the goal in a start of the search."""
-        measured = quality.measure(TetMesh(start["points"], start["tets"]))
-        return self._bad(measured) / len(measured)
+        mesh = TetMesh(start["points"], start["tets"])
+        return self._bad(mesh, quality.measure(mesh)) / len(mesh.tets)
 
-    def _bad(self, measured: Quality) -> int:
-        good = measured.completely_well_centered if self.options.goal == "cwc" else measured.well_centered_3
-        return int((~good).sum())
+    def _bad(self, mesh: TetMesh, measured: Quality) -> int:
+        return int(misses(mesh, measured, self.options.goal).sum())
+
+    def _conform(
+        self, mesh: TetMesh, own: Reference, surface: SurfaceMesh | None, progress: ProgressCallback
+    ) -> tuple[TetMesh, Metrics]:
+        """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is."""
+        options = self.options
+        diagonal = (surface or mesh).diagonal
+        tolerance = (options.tolerance or own.auto_tolerance()) * diagonal
+        better, after = mesh, quality.measure(mesh)
+        before = least = self._bad(mesh, after)
+        listen = _Listener(progress, before)
+        rounds = 0
+        allowed = max(tolerance / diagonal, fidelity(mesh, mesh, surface)["deviation"]["fraction_of_diagonal"])
+        for share in _SHARES:
+            if not before or listen.stopped:
+                break
+            found = conforming.conform(
+                mesh,
+                own,
+                surface,
+                share * tolerance,
+                fixed=options.boundary == "fixed",
+                one_sided=options.goal == "one-sided",
+                effort=options.effort,
+                seed=options.seed + 1,
+                progress=listen.conform,
+            )
+            rounds += found.rounds
+            if found.mesh is None:
+                continue
+            new = carry(mesh, own.strata, found.mesh)
+            measured = quality.measure(new)
+            if self._bad(new, measured) < least:
+                better, after, least = new, measured, self._bad(new, measured)
+            if not beyond(fidelity(mesh, new, surface), allowed):
+                break
+        listen.measure(least)
+        if before and better is mesh and not listen.stopped:
+            warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
+        better = replace(better, reference=surface)
+        result = self._judge(mesh, own, better, after, tolerance, stopped=listen.stopped)
+        return better, {**result, "rounds": rounds, "stopped": listen.stopped, "tolerance": tolerance / diagonal}
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
@@ -300,6 +348,11 @@ class _Listener:
     def resample(self, done: float, bad: int) -> bool:
         """Until the search takes the new mesh over, the best so far is the input."""
         self.stopped = self.stopped or not self._tell("resampling", done)
+        return not self.stopped
+
+    def conform(self, done: float, bad: int) -> bool:
+        self._bad = bad
+        self.stopped = self.stopped or not self._tell("conforming", done)
         return not self.stopped
 
     def search(self, phase: str, done: float, bad: int) -> bool:

@@ -36,6 +36,7 @@ from wct_plugin.cli_show import (
 from wct_plugin.ends import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
 from wct_plugin.errors import OptionError, WctError, WctWarning
 from wct_plugin.flow import side_by_side
+from wct_plugin.goals import DUAL
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
 from wct_plugin.report import Report, make_report
@@ -58,6 +59,8 @@ def _report(mesh: Mesh, worst: int, exact: bool) -> Report:
 def _meets(report: Report, goal: str | None) -> bool:
     if report.certificate:
         return report.certificate.valid if goal is None else report.certificate.meets(goal)
+    if goal in DUAL:
+        return report.tiers.delaunay if goal == "delaunay" else report.tiers.one_sided
     return goal is None or report.flags[goal] == report.tets
 
 
@@ -167,12 +170,18 @@ def _optimizing(
 @click.option("--json", "json_path", metavar="FILE", help="Write JSON (- for stdout): one object, or a list of them")
 @click.option("--html", "html_path", metavar="FILE", help="Write one self-contained HTML page")
 @click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
-@click.option("--goal", type=click.Choice(["3wc", "cwc"]), help="Exit with 1 unless every tet of every FILE meets it")
+@click.option(
+    "--goal",
+    type=click.Choice(["delaunay", "one-sided", "3wc", "cwc"]),
+    help="Exit with 1 unless every FILE meets it, 3wc and cwc with every tet",
+)
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
 def report(
     sources: Sequence[str], json_path: str | None, html_path: str | None, worst: int, goal: str | None, exact: bool
 ) -> int:
     """Measure tet meshes: ranges, tiers, flags, histograms, and the worst tets with their place."""
+    if exact and goal == "one-sided":
+        raise OptionError("--exact proves no dual area: use --goal one-sided without it, or delaunay or 3wc with it")
     check_outputs(json_path, html_path)
     reports = []
     for source in sources:

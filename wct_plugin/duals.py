@@ -22,6 +22,7 @@ from wct_plugin.topology import EDGES, FACETS
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 #: Names of the tiers, each implying those before it; :attr:`Tiers.reached` is an index into them.
 TIERS = ("valid", "Delaunay", "one-sided", "3WC", "CWC")
@@ -137,10 +138,37 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     if (lengths > errors).all():
         dual = duals(mesh)
         return Tiers(True, bool((dual.areas > 0.0).all() and (dual.volumes > 0.0).all()), False, False)
+    return Tiers(not _encroached(mesh, lengths, errors).any(), False, False, False)
+
+
+def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
+    """(m,) the tets that keep a mesh from being Delaunay or, if asked for, one-sided, as :func:`tiers` has them.
+
+    Those at a facet, an edge or a vertex whose dual length, area or volume is not as it should be.
+    """
+    reached, topology = tiers(mesh, of), mesh.topology
+    missing = np.zeros(len(mesh.tets), dtype=bool)
+    if reached.one_sided or (reached.delaunay and not one_sided):
+        return missing
+    pairs = topology.interior_pairs
+    dual = duals(mesh)
+    if not one_sided:
+        missing[pairs[_encroached(mesh, dual.lengths, dual.errors)][:, ::2]] = True
+        return missing
+    wrong = ~(dual.lengths > dual.errors)
+    missing[pairs[wrong[: len(pairs)]][:, ::2]] = True
+    missing[topology.boundary_half_facets[wrong[len(pairs) :], 0]] = True
+    at_edge, at_vertex = ~(dual.areas > 0.0)[_tet_edges(mesh)], ~(dual.volumes > 0.0)[mesh.tets]
+    return missing | at_edge.any(axis=1) | at_vertex.any(axis=1)
+
+
+def _encroached(mesh: TetMesh, lengths: Floats, errors: Floats) -> Bools:
+    """Per interior facet whether a vertex beyond it lies inside the sphere of the tet before it, ties left out."""
     pairs = mesh.topology.interior_pairs
     radii = quality.circumradii(mesh.points, mesh.tets)
     slack = COSPHERICAL * (radii[pairs[:, 0]] + radii[pairs[:, 2]]) / 2.0 + errors[: len(pairs)]
-    return Tiers(bool((lengths[: len(pairs)] >= -slack).all()), False, False, False)
+    inside: Bools = ~(lengths[: len(pairs)] >= -slack)
+    return inside
 
 
 def _dual_lengths(mesh: TetMesh, heights: Floats, errors: Floats) -> tuple[Floats, Floats]:

@@ -3,6 +3,9 @@
 
 #include "conform.h"
 
+#include <nanobind/stl/optional.h>
+
+#include <optional>
 #include <stdexcept>
 
 namespace nb = nanobind;
@@ -38,7 +41,8 @@ nb::dict to_python(const Conformed &found) {
 nb::dict conform_arrays(const Array &points, const Array &tets, const Array &region, const Array &stratum,
                         const Array &label, const Array &size, const Array &facets, const Array &facet_patch,
                         const Array &sides, const Array &creases, const Array &crease_curve, double tolerance,
-                        bool one_sided, std::uint64_t seed, const nb::object &progress) {
+                        const std::optional<Array> &given_points, const std::optional<Array> &given_triangles,
+                        bool one_sided, int effort, std::uint64_t seed, const nb::object &progress) {
     const InputMesh mesh = mesh_of(points, tets, region);
     SurfaceData surface = surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides);
     surface.segments = cells_of<2>(creases, mesh.points.size(), "creases");
@@ -54,7 +58,11 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
             surface.corners.push_back(static_cast<int>(v));
     const auto of_point = labels_of(label, mesh.points.size(), "label");
     const std::vector<double> sizes = sizes_of(size, mesh.points.size(), "size");
+    SurfaceData other;
+    if (given_points && given_triangles)
+        other = plain_surface(*given_points, "given_points", *given_triangles, "given_triangles");
     ConformForm form;
+    form.effort = effort;
     form.tolerance = tolerance;
     form.one_sided = one_sided;
     form.seed = seed;
@@ -64,7 +72,10 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         const Reference reference(std::move(surface));
-        found = conform(reference, mesh, role, of_point, sizes, form, monitor);
+        std::optional<Reference> given;
+        if (!other.triangles.empty())
+            given.emplace(std::move(other));
+        found = conform(reference, given, mesh, role, of_point, sizes, form, monitor);
     }
     return to_python(found);
 }
@@ -75,8 +86,9 @@ void bind_conform(nb::module_ &m) {
     m.def(
         "conform", &conform_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("regions"), nb::arg("stratum"),
         nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"),
-        nb::arg("creases"), nb::arg("crease_curve"), nb::arg("tolerance"), nb::kw_only(), nb::arg("one_sided") = true,
-        nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+        nb::arg("creases"), nb::arg("crease_curve"), nb::arg("tolerance"), nb::kw_only(),
+        nb::arg("given_points") = nb::none(), nb::arg("given_triangles") = nb::none(), nb::arg("one_sided") = true,
+        nb::arg("effort") = 1, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
         "Make a mesh Delaunay, and one-sided, with its surface vertices where they are: points, tets, region per tet\n"
         ">= 0, stratum, label and size per point, facets (f, 3) of the surface with their patch, sides (patches, 2)\n"
         "as in resample, creases (c, 2) with their curve. tolerance: greatest distance of the new surface from the\n"

@@ -98,13 +98,9 @@ nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
 
 /// Nearest points of a surface: points, triangles, distances.
 nb::tuple closest_arrays(const Array &surface_points, const Array &triangles, const Array &queries) {
-    SurfaceData surface;
-    surface.points = points_of(surface_points, "surface_points");
-    surface.triangles = cells_of<3>(triangles, surface.points.size(), "triangles");
+    SurfaceData surface = plain_surface(surface_points, "surface_points", triangles, "triangles");
     if (surface.triangles.empty())
         throw std::invalid_argument("the surface has no triangles");
-    surface.patch.assign(surface.triangles.size(), 0);
-    surface.sides = {{0, -1}};
     std::vector<Vec3> at = points_of(queries, "queries");
     std::vector<int> piece(at.size());
     std::vector<double> distance(at.size());

@@ -18,16 +18,18 @@ constexpr double kOff = 0.4; // width, in radii, of where a point may come for a
 /// One round: the complex of the points as they are, and what is wrong with it.
 class Round {
   public:
-    Round(ConformingCloud &points, const Reference &reference, const RegionMap &map, const ConformForm &form,
-          Random &random)
-        : points_(points), cloud_(points.points()), reference_(reference), map_(map), form_(form), random_(random) {
+    Round(ConformingCloud &points, const Reference &reference, const std::optional<Reference> &given,
+          const RegionMap &map, const ConformForm &form, Random &random)
+        : points_(points), cloud_(points.points()), reference_(reference), given_(given), map_(map), form_(form),
+          random_(random) {
         complex_ = labelled_delaunay(cloud_, reference, map);
         spheres_.resize(complex_.all.tets.size());
         for (std::size_t t = 0; t < spheres_.size(); ++t) {
             const auto &[a, b, c, d] = complex_.all.tets[t];
             spheres_[t] = circumsphere(cloud_.points[a], cloud_.points[b], cloud_.points[c], cloud_.points[d]);
         }
-        peel();
+        if (form.one_sided)
+            peel();
         flaws_ = mend_pinches(cloud_, reference, complex_, find_flaws(cloud_, complex_));
         std::erase_if(flaws_.pinched, [&](int v) { return cloud_.role[v] == Stratum::corner; });
     }
@@ -68,6 +70,12 @@ class Round {
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
     bool beyond(int t, int i) const { return height(t, i) <= form_.least * spheres_[t].radius; }
 
+    /// Is a point of the new surface too far off? `foot`: its own.
+    bool off(const Vec3 &p, const Foot &foot) const {
+        const double most = form_.held * form_.tolerance;
+        return foot.distance > most && !(given_ && given_->nearest(p).distance <= most);
+    }
+
     /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface.
     void peel() {
         std::vector<std::array<int, 2>> kept; // no crease may be lost
@@ -103,7 +111,7 @@ class Round {
             const Vec3 middle = 0.5 * (cloud_.points[made[0]] + cloud_.points[made[1]]);
             if (!wrong || std::binary_search(kept.begin(), kept.end(), lost))
                 continue;
-            if (const Foot foot = reference_.nearest(middle); foot.distance > form_.held * form_.tolerance) {
+            if (const Foot foot = reference_.nearest(middle); off(middle, foot)) {
                 ridges_.push_back({t, foot});
                 continue;
             }
@@ -179,13 +187,12 @@ class Round {
                 continue;
             const bool touches = pinched[f[0]] || pinched[f[1]] || pinched[f[2]];
             Foot worst;
-            worst.distance = shared.empty() ? -1.0 : form_.held * form_.tolerance;
+            worst.distance = -1.0;
             for (const Vec3 &p : {(1.0 / 3.0) * (at[0] + at[1] + at[2]), 0.5 * (at[0] + at[1]), 0.5 * (at[1] + at[2]),
-                                  0.5 * (at[2] + at[0])}) {
-                const Foot foot = reference_.nearest(p);
-                if (foot.distance > worst.distance || (touches && worst.triangle < 0))
+                                  0.5 * (at[2] + at[0])})
+                if (const Foot foot = reference_.nearest(p);
+                    foot.distance > worst.distance && (shared.empty() || touches || off(p, foot)))
                     worst = foot;
-            }
             if (worst.triangle < 0)
                 continue;
             faults_.off += !touches;
@@ -364,6 +371,7 @@ class Round {
     ConformingCloud &points_;
     const Cloud &cloud_;
     const Reference &reference_;
+    const std::optional<Reference> &given_;
     const RegionMap &map_;
     const ConformForm &form_;
     Random &random_;
@@ -400,17 +408,18 @@ Conformed taken(const ConformingCloud &points, const Complex &complex, const Ref
 
 } // namespace
 
-Conformed conform(const Reference &reference, const InputMesh &mesh, std::span<const Stratum> stratum,
-                  std::span<const std::int64_t> label, std::span<const double> size, const ConformForm &form,
-                  Monitor &monitor) {
+Conformed conform(const Reference &reference, const std::optional<Reference> &given, const InputMesh &mesh,
+                  std::span<const Stratum> stratum, std::span<const std::int64_t> label, std::span<const double> size,
+                  const ConformForm &form, Monitor &monitor) {
     const RegionMap map(mesh, reference);
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
     ConformingCloud points(reference, mesh, stratum, label, size);
     Random random(form.seed);
     Conformed best;
     int since = 0;
-    for (int round = 0; round < form.rounds && since < form.patience && !monitor.stopped(); ++round) {
-        Round now(points, reference, map, form, random);
+    for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
+         ++round) {
+        Round now(points, reference, given, map, form, random);
         const ConformingCloud before = points;
         const Faults faults = now.mend();
         const bool intact =
@@ -425,7 +434,7 @@ Conformed conform(const Reference &reference, const InputMesh &mesh, std::span<c
         }
         best.rounds = round + 1;
         monitor.set_bad(static_cast<std::int64_t>(best.faults.outer + best.faults.edges + best.faults.ties));
-        monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / form.rounds);
+        monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / (form.effort * form.rounds));
         if (intact && faults.all() == 0)
             break;
     }

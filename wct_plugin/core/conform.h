@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,10 +21,11 @@ struct ConformForm {
     bool one_sided = true; // else Delaunay is enough
     double tolerance = 0.0;
     std::uint64_t seed = 1;
+    int effort = 1; // multiplies the rounds
 
     static constexpr int rounds = 80;
     static constexpr int patience = 20;   // rounds without progress
-    static constexpr double held = 0.7;   // distance of facets from the reference, in tolerances
+    static constexpr double held = 0.85;  // distance of facets from the reference, in tolerances
     static constexpr double least = 1e-6; // dual length, in circumradii
 };
 
@@ -55,9 +57,11 @@ struct Conformed {
 
 /// Make a mesh Delaunay, and one-sided, by the Delaunay triangulation of its own vertices: of the vertices inside those
 /// go that crowd the surface, and new ones come on the surface where its own are too far apart, as in the refinement of
-/// Ruppert and Shewchuk. Vertices of the surface stay, its facets flip or are split.
-Conformed conform(const Reference &reference, const InputMesh &mesh, std::span<const Stratum> stratum,
-                  std::span<const std::int64_t> label, std::span<const double> size, const ConformForm &form,
-                  Monitor &monitor);
+/// Ruppert and Shewchuk. Vertices of the surface stay, its facets flip or are split. `reference` is the mesh's own
+/// surface, with the mesh's own points; facets stay within the tolerance of it or of `given`, the surface it stands
+/// for.
+Conformed conform(const Reference &reference, const std::optional<Reference> &given, const InputMesh &mesh,
+                  std::span<const Stratum> stratum, std::span<const std::int64_t> label, std::span<const double> size,
+                  const ConformForm &form, Monitor &monitor);
 
 } // namespace wct

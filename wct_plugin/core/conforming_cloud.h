@@ -45,7 +45,7 @@ class ConformingCloud {
     bool insert_inside(const Vec3 &p, int region, double size, double apart);
 
   private:
-    static constexpr double kLeast = 0.04; // distance of points, in sizes of the input
+    static constexpr double kLeast = 0.01; // distance of points, in sizes of the input
 
     bool put(const Vec3 &p, Stratum role, int label, double size, double apart);
 
