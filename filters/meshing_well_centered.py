@@ -1,8 +1,9 @@
 """``filters.meshing_well_centered``: resample, reconnect and move until every tet is well-centered."""
 
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +39,6 @@ _KICKS = 4000
 #: What a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond), where the surface or its
 #: vertices stay and nobody knows whether there is one; more where flips of the surface can help too.
 _WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": np.inf}
-#: Of the tolerance, tried in turn where the surface is made to conform: it is measured at few points on the way.
-_SHARES = (1.0, 0.6)
 
 
 class MeshingOptions(Options):
@@ -100,6 +99,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     Where those or tagged facets inside a region rule a new start out, the search starts from the mesh itself.
     Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
     follow their own facets instead of it.
+    The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
+    move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
     """
 
@@ -134,13 +135,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
                 stacklevel=2,
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
-        sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
         measured = quality.measure(mesh)
         listen = _Listener(progress, self._bad(mesh, measured))
         start = None
         if not moves:
             start = self._pinned_start(mesh, own, wanted, listen)
-        elif not sheets:
+        elif not _has_sheets(mesh, own):
             start = self._resample(mesh, reference, held, wanted, listen)
         if start is None or (moves and listen.stopped):
             reference = own
@@ -177,39 +177,30 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         diagonal = (surface or mesh).diagonal
         tolerance = (options.tolerance or own.auto_tolerance()) * diagonal
         better, after = mesh, quality.measure(mesh)
-        before = least = self._bad(mesh, after)
-        listen = _Listener(progress, before)
-        rounds = 0
-        allowed = max(tolerance / diagonal, fidelity(mesh, mesh, surface)["deviation"]["fraction_of_diagonal"])
-        for share in _SHARES:
-            if not before or listen.stopped:
-                break
-            found = conforming.conform(
-                mesh,
-                own,
-                surface,
-                share * tolerance,
-                fixed=options.boundary == "fixed",
-                one_sided=options.goal == "one-sided",
-                effort=options.effort,
-                seed=options.seed + 1,
-                progress=listen.conform,
-            )
-            rounds += found.rounds
-            if found.mesh is None:
-                continue
-            new = carry(mesh, own.strata, found.mesh)
+        bad = self._bad(mesh, after)
+        listen = _Listener(progress, bad)
+        if bad and not listen.stopped:
+            asked: _Asked = {
+                "one_sided": options.goal == "one-sided",
+                "effort": options.effort,
+                "seed": options.seed + 1,
+                "progress": listen.conform,
+            }
+            if options.boundary == "fixed" or _has_sheets(mesh, own):
+                found = conforming.conform_inside(mesh, own, **asked)
+            else:
+                found = conforming.conform(mesh, own, surface, tolerance, **asked)
+            new = mesh if found is None else carry(mesh, own.strata, found)
             measured = quality.measure(new)
-            if self._bad(new, measured) < least:
-                better, after, least = new, measured, self._bad(new, measured)
-            if not beyond(fidelity(mesh, new, surface), allowed):
-                break
-        listen.measure(least)
-        if before and better is mesh and not listen.stopped:
-            warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
+            left = self._bad(new, measured)
+            if left * len(mesh.tets) < bad * len(new.tets):  # the output is never worse
+                better, after, bad = new, measured, left
+            elif not listen.stopped:
+                warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
+            listen.measure(bad)
         better = replace(better, reference=surface)
         result = self._judge(mesh, own, better, after, tolerance, stopped=listen.stopped)
-        return better, {**result, "rounds": rounds, "stopped": listen.stopped, "tolerance": tolerance / diagonal}
+        return better, {**result, "stopped": listen.stopped, "tolerance": tolerance / diagonal}
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
@@ -311,6 +302,20 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
             return start
         return refilled
+
+
+class _Asked(TypedDict):
+    """What both ways to conform are asked."""
+
+    one_sided: bool
+    effort: int
+    seed: int
+    progress: Callable[[float, int], bool]
+
+
+def _has_sheets(mesh: TetMesh, own: Reference) -> bool:
+    """Whether facets inside a region are tagged."""
+    return len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
 
 
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:

@@ -1,24 +1,14 @@
 """A mesh made Delaunay or one-sided with the vertices of its surface where they are."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from wct_plugin import _core, starts
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import Reference
 from wct_plugin.transfer import Resampled
 
-
-@dataclass(frozen=True, eq=False)
-class Conformed:
-    """What was found; ``mesh`` is None where it does not represent the domain."""
-
-    mesh: Resampled | None
-    rounds: int
-    stopped: bool
+Listener = Callable[[float, int], Any]
 
 
 def conform(
@@ -27,13 +17,15 @@ def conform(
     given: SurfaceMesh | None,
     tolerance: float,
     *,
-    fixed: bool,
     one_sided: bool,
     effort: int,
     seed: int,
-    progress: Callable[[float, int], Any],
-) -> Conformed:
-    """Facets stay within ``tolerance``, a length, of the ``own`` surface or of the ``given`` one it stands for."""
+    progress: Listener,
+) -> Resampled | None:
+    """With facets within ``tolerance``, a length, of the ``own`` surface or of the ``given`` one it stands for.
+
+    None where no mesh was found that represents the domain.
+    """
     found = _core.conform(
         **starts.from_mesh(mesh, own, pinned=False),
         sides=own.sides,
@@ -46,20 +38,38 @@ def conform(
         progress=progress,
     )
     if not found["intact"]:
-        return Conformed(None, found["rounds"], found["stopped"])
-    used, place = np.unique(found["tets"], return_inverse=True)
-    new = np.full(len(found["points"]), -1)
-    new[used] = np.arange(len(used))
-    return Conformed(
-        Resampled(
-            found["points"][used],
-            place.reshape(-1, 4),
-            own.regions[found["regions"]],
-            new[found["facets"]],
-            own.carried[found["facet_patch"]],
-            new[found["creases"]],
-            found["crease_curve"],
-        ),
-        found["rounds"],
-        found["stopped"],
+        return None
+    return Resampled(
+        found["points"],
+        found["tets"],
+        own.regions[found["regions"]],
+        found["facets"],
+        own.carried[found["facet_patch"]],
+        found["creases"],
+        found["crease_curve"],
+    )
+
+
+def conform_inside(
+    mesh: TetMesh, own: Reference, *, one_sided: bool, effort: int, seed: int, progress: Listener
+) -> Resampled | None:
+    """With the facets of the ``own`` surface as they are; None where they leave no choice."""
+    start = starts.conform_inside(
+        starts.from_mesh(mesh, own, pinned=True),
+        own.sides,
+        one_sided=one_sided,
+        effort=effort,
+        seed=seed,
+        progress=progress,
+    )
+    if start is None:
+        return None
+    return Resampled(
+        start["points"],
+        start["tets"],
+        own.regions[start["regions"]],
+        start["facets"],
+        start["facet_patch"],
+        start["creases"],
+        start["crease_curve"],
     )

@@ -20,6 +20,14 @@ nb::dict to_python(const Conformed &found) {
     out["tets"] = array_of<std::int64_t>(found.tets);
     out["regions"] = array_of<std::int64_t>(found.region);
     out["origin"] = array_of<std::int64_t>(found.origin);
+    out["stratum"] = array<std::int8_t>(found.role.size(), 0, [&](std::int8_t *to) {
+        for (const Stratum role : found.role)
+            *to++ = static_cast<std::int8_t>(role);
+    });
+    out["label"] = array<std::int64_t>(found.role.size(), 0, [&](std::int64_t *to) {
+        for (std::size_t i = 0; i < found.role.size(); ++i) // a corner's is its own point, an inner point's its region
+            *to++ = found.role[i] == Stratum::patch || found.role[i] == Stratum::crease ? found.label[i] : -1;
+    });
     out["facets"] = array_of<std::int64_t>(found.surface.facets);
     out["facet_patch"] = array_of<std::int64_t>(found.surface.patch);
     out["creases"] = array_of<std::int64_t>(found.surface.creases);
@@ -93,7 +101,8 @@ void bind_conform(nb::module_ &m) {
         ">= 0, stratum, label and size per point, facets (f, 3) of the surface with their patch, sides (patches, 2)\n"
         "as in resample, creases (c, 2) with their curve. tolerance: greatest distance of the new surface from the\n"
         "facets. progress(done, bad) returns False to stop.\n\n"
-        "Returns a dict: points, origin (the input's point, -1 for a new one), tets, regions, facets, facet_patch,\n"
+        "Returns a dict: points, origin (the input's point, -1 for a new one), tets, regions, stratum, label, facets, "
+        "facet_patch,\n"
         "creases, crease_curve, rounds, stopped, intact (the domain is represented) and faults: what is left, by\n"
         "kind. The same input and seed give the same bits.");
 }

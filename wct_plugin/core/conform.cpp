@@ -3,6 +3,7 @@
 #include "circumspheres.h"
 #include "euler.h"
 #include "pinches.h"
+#include "surface_probes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,14 +14,15 @@ namespace wct {
 
 namespace {
 
-constexpr double kOff = 0.4; // width, in radii, of where a point may come for a circle's center: squares make squares
+constexpr double kApart = 0.1; // of new points that bring a surface back, in sizes
+constexpr double kOff = 0.4;   // width, in radii, of where a point may come for a circle's center: squares make squares
 
 /// One round: the complex of the points as they are, and what is wrong with it.
 class Round {
   public:
-    Round(ConformingCloud &points, const Reference &reference, const std::optional<Reference> &given,
-          const RegionMap &map, const ConformForm &form, Random &random)
-        : points_(points), cloud_(points.points()), reference_(reference), given_(given), map_(map), form_(form),
+    Round(ConformingCloud &points, const Reference &reference, const SurfaceProbes &probes, const RegionMap &map,
+          const ConformForm &form, Random &random)
+        : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map), form_(form),
           random_(random) {
         complex_ = labelled_delaunay(cloud_, reference, map);
         spheres_.resize(complex_.all.tets.size());
@@ -70,12 +72,6 @@ class Round {
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
     bool beyond(int t, int i) const { return height(t, i) <= form_.least * spheres_[t].radius; }
 
-    /// Is a point of the new surface too far off? `foot`: its own.
-    bool off(const Vec3 &p, const Foot &foot) const {
-        const double most = form_.held * form_.tolerance;
-        return foot.distance > most && !(given_ && given_->nearest(p).distance <= most);
-    }
-
     /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface.
     void peel() {
         std::vector<std::array<int, 2>> kept; // no crease may be lost
@@ -111,7 +107,7 @@ class Round {
             const Vec3 middle = 0.5 * (cloud_.points[made[0]] + cloud_.points[made[1]]);
             if (!wrong || std::binary_search(kept.begin(), kept.end(), lost))
                 continue;
-            if (const Foot foot = reference_.nearest(middle); off(middle, foot)) {
+            if (const Foot foot = reference_.nearest(middle); probes_.off(middle, foot)) {
                 ridges_.push_back({t, foot});
                 continue;
             }
@@ -179,41 +175,45 @@ class Round {
         std::vector<char> pinched(cloud_.count(), 0);
         for (const int v : flaws_.pinched)
             pinched[v] = 1;
-        for (const auto &f : surface_facets(complex_)) {
-            const auto at = corners(f);
-            const std::vector<int> shared = shared_patches(cloud_, reference_, f);
-            const bool open = inside(f[0]) || inside(f[1]) || inside(f[2]);
-            if (open)
+        const auto facets = surface_facets(complex_);
+        for (const auto &f : facets) {
+            if (inside(f[0]) || inside(f[1]) || inside(f[2]))
                 continue;
             const bool touches = pinched[f[0]] || pinched[f[1]] || pinched[f[2]];
-            Foot worst;
-            worst.distance = -1.0;
-            for (const Vec3 &p : {(1.0 / 3.0) * (at[0] + at[1] + at[2]), 0.5 * (at[0] + at[1]), 0.5 * (at[1] + at[2]),
-                                  0.5 * (at[2] + at[0])})
-                if (const Foot foot = reference_.nearest(p);
-                    foot.distance > worst.distance && (shared.empty() || touches || off(p, foot)))
-                    worst = foot;
-            if (worst.triangle < 0)
+            if (!touches && probes_.is_own(f, points_.origin()))
                 continue;
-            faults_.off += !touches;
-            const auto &own = reference_.data().triangles[worst.triangle];
-            const Sphere ball = circumsphere(std::array{
-                reference_.data().points[own[0]], reference_.data().points[own[1]], reference_.data().points[own[2]]});
-            if (!clear(all_inside(), ball))
-                points_.insert_on_patch(worst.point, reference_.data().patch[worst.triangle], size_of(f),
-                                        0.3 * circumsphere(at).radius);
+            const Foot worst = probes_.farthest(corners(f), touches || shared_patches(cloud_, reference_, f).empty());
+            if (worst.triangle >= 0) {
+                faults_.off += !touches;
+                restore(worst);
+            }
         }
+        for (const Foot &foot : probes_.missed(cloud_.points, facets, points_.origin())) {
+            ++faults_.off;
+            restore(foot);
+        }
+    }
+
+    /// Bring the own surface back at a point of it.
+    void restore(const Foot &foot) {
+        const auto &own = reference_.data().triangles[foot.triangle];
+        const auto &at = reference_.data().points;
+        const Sphere ball = circumsphere(std::array{at[own[0]], at[own[1]], at[own[2]]});
+        double size = 0.0; // of the nearest corner
+        for (double least = std::numeric_limits<double>::infinity(); const int v : own)
+            if (const double far = norm(foot.point - at[v]); far < least) {
+                least = far;
+                size = points_.size_of_own(v);
+            }
+        if (!clear(all_inside(), ball))
+            points_.insert_on_patch(foot.point, reference_.data().patch[foot.triangle], size, kApart * size);
     }
 
     void mend_outer() {
         // Where a bend is too sharp for the flip that would help, a point on it halves what the flip cuts off.
         for (const auto &[t, foot] : ridges_) {
-            const auto &tet = complex_.all.tets[t];
-            double size = 0.0;
-            for (const int v : tet)
-                size += 0.25 * cloud_.size[v];
             if (complex_.region[t] >= 0)
-                points_.insert_on_patch(foot.point, reference_.data().patch[foot.triangle], size, 0.1 * size);
+                restore(foot);
         }
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
             for (int i = 0; i < 4; ++i) {
@@ -371,7 +371,7 @@ class Round {
     ConformingCloud &points_;
     const Cloud &cloud_;
     const Reference &reference_;
-    const std::optional<Reference> &given_;
+    const SurfaceProbes &probes_;
     const RegionMap &map_;
     const ConformForm &form_;
     Random &random_;
@@ -413,13 +413,14 @@ Conformed conform(const Reference &reference, const std::optional<Reference> &gi
                   const ConformForm &form, Monitor &monitor) {
     const RegionMap map(mesh, reference);
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
+    const SurfaceProbes probes(reference, given, form.held * form.tolerance);
     ConformingCloud points(reference, mesh, stratum, label, size);
     Random random(form.seed);
     Conformed best;
     int since = 0;
     for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
          ++round) {
-        Round now(points, reference, given, map, form, random);
+        Round now(points, reference, probes, map, form, random);
         const ConformingCloud before = points;
         const Faults faults = now.mend();
         const bool intact =

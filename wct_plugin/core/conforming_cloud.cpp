@@ -8,7 +8,7 @@ namespace wct {
 
 ConformingCloud::ConformingCloud(const Reference &reference, const InputMesh &mesh, std::span<const Stratum> stratum,
                                  std::span<const std::int64_t> label, std::span<const double> size)
-    : reference_(reference) {
+    : reference_(reference), size_(size) {
     std::vector<int> region(mesh.points.size(), -1);
     for (std::size_t t = 0; t < mesh.tets.size(); ++t)
         for (const int v : mesh.tets[t])

@@ -31,6 +31,9 @@ class ConformingCloud {
     /// Per point the mesh's own, -1 for new ones.
     const std::vector<int> &origin() const { return origin_; }
 
+    /// Edge length at a point of the mesh.
+    double size_of_own(int point) const { return size_[point]; }
+
     /// From here on points that come in keep their distance from each other and from those of the surface.
     void begin_round();
     /// Take interior points out.
@@ -50,6 +53,7 @@ class ConformingCloud {
     bool put(const Vec3 &p, Stratum role, int label, double size, double apart);
 
     const Reference &reference_;
+    std::span<const double> size_;
     Cloud cloud_;
     std::vector<int> origin_;
     std::vector<Segment> segments_;
