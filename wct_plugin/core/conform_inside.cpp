@@ -40,7 +40,8 @@ class Untier {
             spheres_.push_back(circumsphere(cloud.points[a], cloud.points[b], cloud.points[c], cloud.points[d]));
     }
 
-    std::size_t run() {
+    /// Count all, mend this share of them.
+    std::size_t run(double share) {
         std::size_t faults = 0;
         std::vector<char> keep(cloud_.count(), 1);
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
@@ -61,7 +62,8 @@ class Untier {
                         form_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
                         continue;
                     ++faults;
-                    part(t, i, complex_.all.tets[next][back]);
+                    if (random_.uniform() < share)
+                        part(t, i, complex_.all.tets[next][back]);
                 }
             }
         keep.resize(cloud_.count(), 1);
@@ -109,18 +111,26 @@ Interior between(const PinnedFacets &facets, const InputMesh &mesh, const Region
     Cloud cloud = own_points(facets, mesh, size);
     Complex complex;
     Interior best;
+    Cloud sound; // the last with all facets
     std::size_t fewest = 0;
+    double share = 1.0;
     int since = 0;
     for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
          ++round) {
         keeper.clear(cloud);
-        if (!keeper.triangulate(cloud, complex))
-            break;
-        Cloud changed = cloud;
-        const std::size_t faults = form.one_sided ? Untier(changed, complex, map, form, random).run() : 0;
         ++since;
+        if (keeper.triangulate(cloud, complex)) {
+            sound = cloud;
+        } else if (best.tets.empty()) {
+            break;
+        } else { // points that were moved let go of a square: move fewer
+            share *= 0.5;
+            cloud = sound;
+            keeper.triangulate(cloud, complex);
+        }
+        const std::size_t faults = form.one_sided ? Untier(cloud, complex, map, form, random).run(share) : 0;
         if (best.tets.empty() || faults < fewest) {
-            best = merged(cloud, complex, facets, mesh, size);
+            best = merged(sound, complex, facets, mesh, size);
             fewest = faults;
             since = 0;
         }
@@ -128,7 +138,6 @@ Interior between(const PinnedFacets &facets, const InputMesh &mesh, const Region
         monitor.work(complex.all.tets.size(), static_cast<double>(round) / (form.effort * form.rounds));
         if (faults == 0)
             break;
-        cloud = std::move(changed);
     }
     return best;
 }
