@@ -3,11 +3,11 @@
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, field_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
 from wct_plugin import _core, conforming, edge_length, fixed_facets, quality, starts
@@ -87,6 +87,12 @@ class MeshingOptions(Options):
         if value is None or isinstance(value, str | SurfaceMesh):
             return value
         raise ValueError("must be a SurfaceMesh or the name of a surface file")
+
+    @model_validator(mode="after")
+    def _cheapest(self) -> Self:
+        if self.goal in DUAL and self.edge_length is not None:
+            raise ValueError(f"edge_length asks for other edges, goal {self.goal} for the cheapest change: drop one")
+        return self
 
 
 class MeshingWellCentered(Filter[MeshingOptions]):
