@@ -17,6 +17,7 @@ import click
 
 import wct_plugin as wct
 from wct_plugin import cli_options, pipeline_json, stage_page
+from wct_plugin.cli_batch import batch
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
     GOAL_MET,
@@ -33,7 +34,7 @@ from wct_plugin.cli_show import (
     write_text,
 )
 from wct_plugin.ends import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
-from wct_plugin.errors import OptionError, WctError, WctWarning
+from wct_plugin.errors import OptionError, WctError, WctWarning, one_line
 from wct_plugin.flow import side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
@@ -68,6 +69,7 @@ def cli() -> None:
 
 
 cli.add_command(run_pipeline)
+cli.add_command(batch)
 
 
 @cli.command()
@@ -231,8 +233,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
         if os.environ.get("WCT_TRACEBACK"):
             raise
-        where = " ".join(["internal error", *getattr(error, "__notes__", [])])
-        return fail(f"{where}, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
+        return fail(f"{one_line(error)} (WCT_TRACEBACK=1 shows where)")
     return code if isinstance(code, int) else GOAL_MET
 
 

@@ -20,6 +20,16 @@ _READY_MADE = "\b\nReady-made pipelines:\n" + "\n".join(
 )
 
 
+def read_pipeline(chain: str, settings: Sequence[str]) -> Pipeline:
+    """The pipeline of a JSON file, of stdin (``-``) or of a ready-made one's name."""
+    content = sys.stdin.buffer.read() if chain == "-" else chains.read(chain)
+    try:
+        return Pipeline.from_json(content, settings)
+    except WctError as error:
+        error.args = (f"{'stdin' if chain == '-' else chain}: {error}", *error.args[1:])
+        raise
+
+
 @click.command("run", epilog=_READY_MADE)
 @click.argument("chain", metavar="PIPELINE", required=False)
 @click.argument("paths", metavar="[IN [OUT...]]", nargs=-1)
@@ -52,12 +62,7 @@ def run_pipeline(
         return GOAL_MET
     if chain is None:
         raise click.UsageError("Missing argument 'PIPELINE'.")
-    content = sys.stdin.buffer.read() if chain == "-" else chains.read(chain)
-    try:
-        pipeline = Pipeline.from_json(content, settings)
-    except WctError as error:
-        error.args = (f"{'stdin' if chain == '-' else chain}: {error}", *error.args[1:])
-        raise
+    pipeline = read_pipeline(chain, settings)
     if paths:
         pipeline = pipeline.between(paths[0], paths[1:])
     if validate:

@@ -4,6 +4,7 @@ import math
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -108,7 +109,7 @@ class Result:
     def metadata(self) -> dict[str, Any]:
         """Everything but the meshes, ready for JSON: per stage options, metrics and seconds; goals; versions."""
         return {
-            "versions": {"python": platform.python_version(), **_versions()},
+            "versions": dict(versions()),
             "platform": platform.platform(),
             "goal_met": self.goal_met,
             "goals": [vars(goal) for goal in self.goals],
@@ -126,8 +127,10 @@ class Result:
         }
 
 
-def _versions() -> dict[str, str]:
-    found = {}
+@cache
+def versions() -> Mapping[str, str]:
+    """Versions of Python and of the packages that change a result, as installed."""
+    found = {"python": platform.python_version()}
     for name in _PACKAGES:
         try:
             found[name] = version(name)
