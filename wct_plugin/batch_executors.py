@@ -12,6 +12,8 @@ from wct_plugin.batch_isolation import ForkServer, run_isolated
 from wct_plugin.batch_job import Job, Record
 from wct_plugin.errors import OptionError, WctError
 
+CONNECT_SECONDS = 10
+
 #: What comes of a job: its record, and the folder of the attempt with the outputs.
 Finished = tuple[Record, str]
 
@@ -67,7 +69,7 @@ class DaskExecutor:
             raise WctError("a scheduler needs dask.distributed: pip install 'wct_plugin[distributed]'")
         distributed: Any = importlib.import_module("distributed")
         try:
-            self._client = distributed.Client(address, timeout=10, set_as_default=False)
+            self._client = distributed.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise OptionError(f"scheduler {address}: cannot be reached: {' '.join(str(error).split())}") from error
         try:
