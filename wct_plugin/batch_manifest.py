@@ -113,8 +113,11 @@ class Manifest:
                 self.commit(record, attempt)
 
     def _knows(self, record: Record) -> bool:
+        """Whether the job is in the manifest: two attempts may have finished it where a worker was believed lost."""
         known = self._records.get(record.output)
-        return known is not None and (known.finished, known.files) == (record.finished, record.files)
+        if known is None or (known.input_sha256, known.pipeline_sha256) != (record.input_sha256, record.pipeline_sha256):
+            return False
+        return record.failed or not known.failed
 
 
 def _hold(path: Path) -> int | None:
