@@ -115,7 +115,10 @@ class Manifest:
     def _knows(self, record: Record) -> bool:
         """Whether the job is in the manifest: two attempts may have finished it where a worker was believed lost."""
         known = self._records.get(record.output)
-        if known is None or (known.input_sha256, known.pipeline_sha256) != (record.input_sha256, record.pipeline_sha256):
+        if known is None or (known.input_sha256, known.pipeline_sha256) != (
+            record.input_sha256,
+            record.pipeline_sha256,
+        ):
             return False
         return record.failed or not known.failed
 

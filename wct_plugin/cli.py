@@ -18,8 +18,10 @@ import click
 import wct_plugin as wct
 from wct_plugin import cli_options, pipeline_json, stage_page
 from wct_plugin.cli_batch import batch
+from wct_plugin.cli_group import Commands, completion
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
+    FAILED,
     GOAL_MET,
     GOAL_MISSED,
     check_outputs,
@@ -59,10 +61,14 @@ def _meets(report: Report, goal: str) -> bool:
     return report.flags[goal] == report.tets
 
 
+def _complete_filter(_context: click.Context, _param: click.Parameter, begun: str) -> list[str]:
+    return [name for name in filter_names() if name.startswith(begun)]
+
+
 # --- commands -------------------------------------------------------------------------------------------------------
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="wct_plugin")
 def cli() -> None:
     """Make tetrahedral meshes well-centered, and say how well-centered they are."""
@@ -70,6 +76,7 @@ def cli() -> None:
 
 cli.add_command(run_pipeline)
 cli.add_command(batch)
+cli.add_command(completion)
 
 
 @cli.command()
@@ -184,7 +191,7 @@ def report(sources: Sequence[str], json_path: str | None, html_path: str | None,
 
 
 @cli.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=_complete_filter)
 @click.option("--json", "json_path", metavar="FILE", help="Write the declarations as JSON schema (- for stdout)")
 @click.option("--markdown", "markdown_path", metavar="FILE", help="Write the filters' pages as Markdown (- for stdout)")
 def filters(name: str | None, json_path: str | None, markdown_path: str | None) -> int:
@@ -228,6 +235,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return fail(error.format_message())
     except WctError as error:
         return fail(str(error))
+    except BrokenPipeError:  # whoever read stdout has read enough, as head does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except (KeyboardInterrupt, click.Abort):
         return fail("interrupted; nothing was written")
     except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request

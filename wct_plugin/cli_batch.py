@@ -12,7 +12,7 @@ from rich.text import Text
 from wct_plugin import batch_summary
 from wct_plugin.batch import BatchProgress, BatchResult, run_batch
 from wct_plugin.batch_job import Record
-from wct_plugin.cli_run import read_pipeline
+from wct_plugin.cli_run import complete_pipeline, read_pipeline
 from wct_plugin.cli_show import err, fail, out, table
 
 
@@ -26,8 +26,8 @@ class _Shard(click.ParamType[tuple[int, int]]):
         return int(found[1]), int(found[2])
 
 
-@click.command("batch", epilog="\b\nExample:\n  wct batch repair-ftetwild 'scans/*.ply' -o out --jobs 4 --timeout 600")
-@click.argument("chain", metavar="PIPELINE")
+@click.command("batch")
+@click.argument("chain", metavar="PIPELINE", shell_complete=complete_pipeline)
 @click.argument("inputs", metavar="INPUT...", nargs=-1, required=True)
 @click.option("-o", "--output", "folder", metavar="DIR", required=True, help="Where the outputs go; made if missing")
 @click.option("--format", "suffix", metavar="SUFFIX", help="Of the outputs  [default: each input's own; surfaces: vtu]")
@@ -94,7 +94,7 @@ def batch(
 def _shown(counted: list[BatchProgress]) -> Iterator[Callable[[BatchProgress], None]]:
     """Show a bar over all files on a terminal, else a line per file; the last state is left in ``counted``."""
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+    with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal or err.quiet) as bar:
         task = bar.add_task("")
 
         def show(state: BatchProgress) -> None:

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 
 import click
+from click.shell_completion import CompletionItem
 from rich.text import Text
 
 from wct_plugin import chains
@@ -30,8 +31,14 @@ def read_pipeline(chain: str, settings: Sequence[str]) -> Pipeline:
         raise
 
 
+def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Ready-made pipelines, and files."""
+    ready = [CompletionItem(name) for name in chains.names() if name.startswith(begun)]
+    return [*ready, CompletionItem(begun, type="file")]
+
+
 @click.command("run", epilog=_READY_MADE)
-@click.argument("chain", metavar="PIPELINE", required=False)
+@click.argument("chain", metavar="PIPELINE", required=False, shell_complete=complete_pipeline)
 @click.argument("paths", metavar="[IN [OUT...]]", nargs=-1)
 @click.option(
     "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
