@@ -104,13 +104,12 @@ class ForkServer:
                 raise WctError(f"a batch needs a system that can fork, which {sys.platform} cannot")
             self._control, theirs = socket.socketpair()
             share = {name: str(self._threads) for name in _THREADS}
-            # Without -P the working directory would be the first place to look for modules.
-            command = [sys.executable, "-P", "-c", "import sys; from wct_plugin.batch_server import main"]
-            command[-1] += "; main(int(sys.argv[1]))"
+            start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
+            start += "; from wct_plugin.batch_server import main; main(int(sys.argv[1]))"
             with theirs:
                 self._words = tempfile.TemporaryFile()  # noqa: SIM115, closed when the process has ended
                 self._process = subprocess.Popen(
-                    [*command, str(theirs.fileno())],
+                    [sys.executable, "-P", "-c", start, str(theirs.fileno()), json.dumps(sys.path)],
                     pass_fds=[theirs.fileno()],
                     env={**share, **os.environ},
                     stdin=subprocess.DEVNULL,

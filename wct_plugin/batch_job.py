@@ -118,7 +118,7 @@ def perform(job: Job, attempt: Path) -> int:
         warnings.simplefilter("always", WctWarning)
         try:
             done = _run(job, output)
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # neighbours are known to leave by sys.exit
             done = {"exit_code": 2, "cause": one_line(error).removeprefix(f"{job.source}: ")}
     record = Record(job.source, input_sha256, job.pipeline_sha256, job.name, **done)
     said = tuple(dict.fromkeys(" ".join(str(one.message).split()) for one in caught))

@@ -82,10 +82,10 @@ def batch(
                 progress=progress,
             )
     except KeyboardInterrupt:
-        state = counted[-1] if counted else BatchProgress(0, 0, 0)
-        return fail(
-            f"interrupted; {state.finished} of {state.total} files are finished, --resume goes on with the rest"
-        )
+        if not counted:
+            return fail("interrupted; nothing was started")
+        done, total = counted[-1].finished, counted[-1].total
+        return fail(f"interrupted; {done} of {total} files are finished, --resume goes on with the rest")
     _print(result)
     return result.exit_code
 
