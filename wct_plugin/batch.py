@@ -117,6 +117,8 @@ def run_batch(
     ------
     WctError
         Before anything starts, for whatever is wrong with the pipeline, the inputs, the directory or the options.
+    KeyboardInterrupt
+        When Ctrl-C is pressed; it says how many files are finished, and what ran is ended.
     """
     chain = pipeline if isinstance(pipeline, Pipeline) else Pipeline() | pipeline
     _check_limits(jobs, timeout, memory_limit, scheduler)
@@ -137,20 +139,26 @@ def run_batch(
         timeout=timeout,
         memory=None if memory_limit is None else int(memory_limit * _MEGABYTE),
     )
-    with ExitStack() as stack:
-        stack.callback(manifest.close)
-        executor = _executor(scheduler, target.resolve(), jobs)
-        stack.callback(executor.stop)
-        manifest.open(resume=resume or retry_failed)
-        waiting, found = [], []
-        for task in tasks:
-            job = make(task.source, task.name)
-            known = manifest.finished(job)
-            if known is None or (retry_failed and known.failed):
-                waiting.append(job)
-            else:
-                found.append(known)
-        found += _run(waiting, found, manifest, executor, progress or _silent)
+    try:
+        with ExitStack() as stack:
+            stack.callback(manifest.close)
+            executor = _executor(scheduler, target.resolve(), jobs)
+            stack.callback(executor.stop)
+            manifest.open(resume=resume or retry_failed)
+            waiting, found = [], []
+            for task in tasks:
+                job = make(task.source, task.name)
+                known = manifest.finished(job)
+                if known is None or (retry_failed and known.failed):
+                    waiting.append(job)
+                else:
+                    found.append(known)
+            found += _run(waiting, found, manifest, executor, progress or _silent)
+    except KeyboardInterrupt as error:
+        error.args = (
+            f"{manifest.count(make(one.source, one.name) for one in tasks)} of {len(tasks)} files are finished",
+        )
+        raise
     csv, html = (target / f"summary{part}.{form}" for form in ("csv", "html"))
     for path, text in (
         (csv, batch_summary.to_csv(found)),

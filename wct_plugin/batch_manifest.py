@@ -9,7 +9,7 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from wct_plugin.batch_isolation import read_record
@@ -73,6 +73,11 @@ class Manifest:
             if not file.is_file() or digest(file) != sha256:
                 return None
         return record
+
+    def count(self, jobs: Iterable[Job]) -> int:
+        """How many of the jobs this pipeline has finished, whatever has become of their inputs and outputs."""
+        known = ((job, self._records.get(job.name)) for job in jobs)
+        return sum(record is not None and record.pipeline_sha256 == job.pipeline_sha256 for job, record in known)
 
     def commit(self, record: Record, attempt: Path | None) -> None:
         """Put the outputs of a finished attempt in their place, write the line, and take the attempt away."""

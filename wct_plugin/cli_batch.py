@@ -64,9 +64,8 @@ def batch(
     Exit code 0: every file met its goal. 1: some missed it or failed. 2: nothing was started, or it was interrupted.
     """
     pipeline = read_pipeline(chain, settings)
-    counted: list[BatchProgress] = []
     try:
-        with _shown(counted) as progress:
+        with _shown() as progress:
             result = run_batch(
                 pipeline,
                 inputs,
@@ -81,24 +80,21 @@ def batch(
                 scheduler=scheduler,
                 progress=progress,
             )
-    except KeyboardInterrupt:
-        if not counted:
-            return fail("interrupted; nothing was started")
-        done, total = counted[-1].finished, counted[-1].total
-        return fail(f"interrupted; {done} of {total} files are finished, --resume goes on with the rest")
+    except KeyboardInterrupt as error:
+        state = f"{error}, --resume goes on with the rest" if error.args else "nothing was started"
+        return fail(f"interrupted; {state}")
     _print(result)
     return result.exit_code
 
 
 @contextmanager
-def _shown(counted: list[BatchProgress]) -> Iterator[Callable[[BatchProgress], None]]:
-    """Show a bar over all files on a terminal, else a line per file; the last state is left in ``counted``."""
+def _shown() -> Iterator[Callable[[BatchProgress], None]]:
+    """Show a bar over all files on a terminal, else a line per file."""
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal or err.quiet) as bar:
         task = bar.add_task("")
 
         def show(state: BatchProgress) -> None:
-            counted[:] = [state]
             failed = f"{state.failed} failed; " if state.failed else ""
             at_work = ", ".join(state.running[:3]) + (", …" if len(state.running) > 3 else "")
             bar.update(task, total=state.total, completed=state.finished, description=f"{failed}{at_work}")
