@@ -109,6 +109,7 @@ def test_options_are_refused_before_anything_starts(options, reason, place, caps
         (["x.vtu", {"type": "filters.get_quality"}], "stage 1 of 2 (readers.mesh): a batch's pipeline holds filters"),
         ([{"type": "filters.get_quality"}, "o.vtu"], "stage 2 of 2 (writers.mesh): a batch's pipeline holds filters"),
         ([{"type": "filters.get_quality"}, {"type": "filters.meshlab"}], "stage 2 of 2 (filters.meshlab):"),
+        ([{"type": "filters.create_cube"}], "stage 1 of 1 (filters.create_cube): makes a mesh from nothing; a batch's"),
         ([{"type": "filters.get_qualty"}], "bad.json: stage 1 of 1 (filters.get_qualty): unknown stage"),
     ],
 )

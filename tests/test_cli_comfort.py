@@ -71,6 +71,19 @@ def test_help_ends_with_an_example_that_the_command_takes(name, capsys):
         cli.cli.commands[name].make_context(name, arguments)  # parses, runs nothing
 
 
+def test_each_creation_has_an_example_that_it_takes(capsys):
+    context = click.Context(cli.cli.commands["create"])
+    names = cli.cli.commands["create"].list_commands(context)
+    assert names
+    for name in names:
+        assert cli.run(["create", name, "--help"]) == 0
+        shown = capsys.readouterr().out
+        (line,) = re.findall(r"Example:\n  +(wct .*)\n", shown)
+        command = cli.cli.commands["create"].get_command(context, name)
+        command.make_context(name, shlex.split(line)[3:])
+        assert "--quiet" in shown
+
+
 def test_help_lists_every_command_with_what_it_does(capsys):
     assert cli.run(["--help"]) == 0
     shown = capsys.readouterr().out

@@ -126,6 +126,10 @@ def _check_filters_only(pipeline: Pipeline) -> None:
                 f"{label(pipeline.steps, index)}: a batch's pipeline holds filters only; the batch itself reads each"
                 " input and writes its output"
             )
+        if step.stage.starts():
+            raise OptionError(
+                f"{label(pipeline.steps, index)}: makes a mesh from nothing; a batch's pipeline takes each input's"
+            )
     pipeline.check([TetMesh, SurfaceMesh])
 
 

@@ -10,7 +10,7 @@ from wct_plugin.cli_show import be_quiet
 EXAMPLES = {
     "batch": "wct batch repair-ftetwild 'scans/*.ply' -o out --jobs 4 --timeout 600",
     "completion": "wct completion bash > ~/.local/share/bash-completion/completions/wct",
-    "create": "wct create --help",
+    "create": "wct create cube cube.vtu --variant 84",
     "filters": "wct filters meshing_well_centered",
     "optimize": "wct optimize bone.ply bone.vtu --tolerance 1e-3 --html bone.html",
     "report": "wct report before.vtu after.vtu --html compared.html",
@@ -36,6 +36,17 @@ def _quiet(context: click.Context, _: click.Parameter, value: bool) -> None:
         context.call_on_close(be_quiet())
 
 
+def with_comfort(command: click.Command, example: str) -> click.Command:
+    """The command, with what all have in common."""
+    command.params.append(quiet_option())
+    for param in command.params:
+        if param.metavar in _FILES and type(param.type) is type(click.STRING):
+            param.type = click.Path(allow_dash=True)
+    if example:
+        command.epilog = "\n\n".join(filter(None, [f"\b\nExample:\n  {example}", command.epilog]))
+    return command
+
+
 class Commands(click.Group):
     """A group that gives each command what all have in common."""
 
@@ -45,13 +56,7 @@ class Commands(click.Group):
 
     def add_command(self, cmd: click.Command, name: str | None = None) -> None:
         """Add a command, completed."""
-        cmd.params.append(quiet_option())
-        for param in cmd.params:
-            if param.metavar in _FILES and type(param.type) is type(click.STRING):
-                param.type = click.Path(allow_dash=True)
-        if example := EXAMPLES.get(name or cmd.name or ""):
-            cmd.epilog = "\n\n".join(filter(None, [f"\b\nExample:\n  {example}", cmd.epilog]))
-        super().add_command(cmd, name)
+        super().add_command(with_comfort(cmd, EXAMPLES.get(name or cmd.name or "", "")), name)
 
 
 @click.command()
