@@ -69,10 +69,11 @@ def test_forty_mixed_files_lose_the_bad_ones_alone(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """A batch of three good files, one that misses its goal, and one that is none."""
+    """A batch of three good files, two that miss their goal, and one that is none."""
     folder = tmp_path_factory.mktemp("done")
     for k in range(3):
         wct.write(folder / f"good{k}.vtu", bcc(2))
+    wct.write(folder / "jittered.vtu", jittered_cube(3))
     wct.write(folder / "flat.vtu", single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.1]]))
     (folder / "<b>&.vtu").write_text("what is this?")
     mover = wct.Filter.apply_coord_well_centering(goal="3wc", boundary="fixed")
@@ -96,6 +97,14 @@ def test_a_record_holds_what_was_done(done):
     assert found["<b>&.vtu"]["cause"] == "cannot be read as VTU: malformed or truncated"
 
 
+def test_an_output_is_what_a_run_of_its_own_gives_bit_by_bit(done, tmp_path):
+    folder = done.csv.parent
+    mover = wct.Filter.apply_coord_well_centering(goal="3wc", boundary="fixed")
+    for name in ("good0.vtu", "jittered.vtu"):
+        mover.between(folder.parent / name, [tmp_path / name]).execute()
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
+
+
 def test_a_goal_that_is_missed_is_exit_code_1_with_an_output(done):
     (flat,) = (record for record in done.records if record.input.endswith("flat.vtu"))
     assert (flat.exit_code, flat.failed, done.exit_code) == (1, False, 1)
@@ -106,9 +115,9 @@ def test_a_goal_that_is_missed_is_exit_code_1_with_an_output(done):
 def test_summaries_have_every_file_failures_last(done):
     with done.csv.open() as file:
         rows = list(csv.DictReader(file))
-    names = ["good0.vtu", "good1.vtu", "good2.vtu", "flat.vtu", "<b>&.vtu"]
+    names = ["good0.vtu", "good1.vtu", "good2.vtu", "flat.vtu", "jittered.vtu", "<b>&.vtu"]
     assert [Path(row["input"]).name for row in rows] == names
-    assert [row["exit_code"] for row in rows] == ["0", "0", "0", "1", "2"]
+    assert [row["exit_code"] for row in rows] == ["0", "0", "0", "1", "1", "2"]
     assert float(rows[0]["3wc_after"]) == 100
     page = done.html.read_text()
     assert page.index("good2.vtu") < page.index("flat.vtu") < page.index("malformed or truncated")

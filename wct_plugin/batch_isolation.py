@@ -29,7 +29,7 @@ class UnwantedError(WctError):
 
 
 class _LostError(WctError):
-    """The process that forks is gone."""
+    """The process that forks is gone, or could not."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class ForkServer:
             except ConnectionError as error:
                 if self._closed:
                     raise UnwantedError(f"{job.source}: given up") from error
-                raise _LostError(f"the process that starts jobs ended{self._last_words()}") from error
+                raise _LostError(f"no process could be started for the job{self._last_words()}") from error
         return Verdict(**json.loads(said))
 
     def close(self) -> None:

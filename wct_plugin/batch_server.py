@@ -87,7 +87,11 @@ class Server:
         if request is None:  # given up already
             connection.close()
             return
-        pid = os.fork()
+        try:
+            pid = os.fork()
+        except OSError:  # no memory or no room for a process: the other side hears that it came to nothing
+            connection.close()
+            return
         if pid == 0:
             status = 2
             try:
