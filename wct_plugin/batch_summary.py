@@ -97,5 +97,7 @@ th:nth-child(-n+2), td:nth-child(-n+2) { text-align: left; }
 .done td:nth-child(2) { color: var(--good); }
 .goal-missed td:nth-child(2) { color: var(--fair); }
 .failed td:nth-child(2) { color: var(--bad); }
-dd { overflow-wrap: anywhere; }
+dd { overflow-wrap: anywhere; margin-left: 1rem; }
+@media (max-width: 42rem) { th, td { padding: .25rem .3rem; white-space: normal; } table { font-size: .8rem; } }
+@media print { body { max-width: none; margin: 0; } .scroll { overflow: visible; } th, td { padding: .1rem .4rem; } }
 """
