@@ -4,6 +4,7 @@ A page loads nothing and runs nothing, which its content security policy holds i
 escape it; only what is :data:`Html` already goes in as it is.
 """
 
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -25,10 +26,11 @@ h1 { font-size: 1.6rem; line-height: 1.25; margin: 0 0 .25rem; }
 h2 { font-size: 1.25rem; margin: 2.5rem 0 .5rem; padding-top: .6rem; border-top: 1px solid var(--line); }
 h3 { font-size: 1.05rem; margin: 1.5rem 0 .4rem; }
 p { margin: .4rem 0; max-width: 75ch; }
-.muted, figcaption, caption { color: var(--muted); }
+.muted, figcaption { color: var(--muted); }
+table .good, table .bad { white-space: nowrap; }
 .good { color: var(--good); } .bad { color: var(--bad); }
 ul.cards { list-style: none; margin: 1.2rem 0; padding: 0; display: grid; gap: .8rem;
-  grid-template-columns: repeat(auto-fit, minmax(15rem, 1fr)); }
+  grid-template-columns: repeat(auto-fit, minmax(min(100%, 18rem), 1fr)); }
 .cards li { background: var(--panel); border: 1px solid var(--line); border-left: .35rem solid var(--line);
   border-radius: .5rem; padding: .7rem .9rem; min-width: 0; }
 .cards li.good { border-left-color: var(--good); color: inherit; }
@@ -36,14 +38,17 @@ ul.cards { list-style: none; margin: 1.2rem 0; padding: 0; display: grid; gap: .
 .cards strong { display: block; font-size: 1.6rem; line-height: 1.3; }
 .cards .good strong { color: var(--good); } .cards .bad strong { color: var(--bad); }
 .grid { display: grid; gap: 1rem 1.5rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); }
-figure { margin: 0; min-width: 0; }
-figcaption, caption { font-size: .9rem; text-align: left; padding: .25rem 0; }
-img, svg { display: block; max-width: 100%; height: auto; }
+.columns { columns: 28rem 2; column-gap: 2rem; } .columns > * { break-inside: avoid; margin: 0 0 1.2rem; }
+figure { margin: 0 0 .6rem; min-width: 0; }
+figcaption { font-size: .9rem; }
+caption { font-weight: 600; text-align: left; padding: .3rem 0; }
+img, svg { display: block; max-width: 100%; height: auto; } svg { width: 100%; max-width: 36rem; }
 svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
 .scroll { overflow-x: auto; max-width: 100%; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .3rem .75rem; text-align: right; vertical-align: top; border-bottom: 1px solid var(--line); }
 thead th { background: var(--panel); vertical-align: bottom; }
+thead th[scope=colgroup] { text-align: center; }
 tbody th { font-weight: 500; }
 tbody th, thead th:first-child, .words td, .words th { text-align: left; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--good); }
@@ -52,19 +57,22 @@ code { font-family: ui-monospace, monospace; font-size: .92em; }
 @media (max-width: 42rem) {
   th, td { padding: .3rem .4rem; }
   table { font-size: .85rem; }
+  svg text { font-size: 15px; }
   .records thead { position: absolute; clip-path: inset(50%); width: 1px; height: 1px; overflow: hidden; }
-  .records, .records tbody, .records tr, .records th, .records td { display: block; text-align: left; border: 0; }
+  .records, .records caption, .records tbody, .records tr { display: block; }
   .records tr { border-bottom: 1px solid var(--line); padding: .5rem 0; }
-  .records th, .records td { padding: .1rem 0 .1rem 8.5rem; min-height: 1.6em; position: relative; }
-  .records [data-name]::before { content: attr(data-name); position: absolute; left: 0; width: 8rem;
-    color: var(--muted); font-weight: 400; }
+  .records th, .records td { display: grid; grid-template-columns: 8.5rem 1fr; gap: .6rem; border: 0; padding: .1rem 0; }
+  .records [data-name]::before { content: attr(data-name); color: var(--muted); font-weight: 400; }
 }
+@media (max-width: 26rem) { th, td { padding: .3rem .25rem; } table { font-size: .8rem; } }
 @media print {
   body { font-size: 10.5pt; max-width: none; padding: 0; }
   h2, h3, summary { break-after: avoid; } figure, .cards li, tr { break-inside: avoid; }
   .scroll { overflow: visible; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 """
+#: So many columns of words fit a phone.
+_COLUMNS = 4
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
@@ -104,9 +112,23 @@ def grid(parts: Iterable[Html]) -> Html:
     return Html(f'<div class="grid">{join(parts)}</div>')
 
 
+def columns(parts: Iterable[Html]) -> Html:
+    """Parts one after the other, in columns where there is room."""
+    return Html(f'<div class="columns">{join(parts)}</div>')
+
+
 def details(summary: str, *parts: Html) -> Html:
     """Parts that are folded away until asked for."""
     return Html(f"<details><summary>{escape(summary)}</summary>{join(parts)}</details>")
+
+
+def image(png: bytes, size: tuple[int, int], alt: str, caption: str) -> Html:
+    """A picture that the page carries itself."""
+    width, height = size
+    return Html(
+        f'<figure><img src="data:image/png;base64,{b64encode(png).decode("ascii")}" width="{width}" height="{height}" '
+        f'alt="{escape(alt)}"><figcaption>{escape(caption)}</figcaption></figure>'
+    )
 
 
 @dataclass(frozen=True)
@@ -122,11 +144,16 @@ class Card:
 def cards(found: Iterable[Card]) -> Html:
     """Findings side by side."""
     items = (
-        f"<li{_class(card.kind)}>{escape(card.label)}<strong>{escape(card.value)}</strong>"
-        f'<span class="muted">{escape(card.note)}</span></li>'
+        f"<li{_class(card.kind)}>{escape(card.label)}<strong>{_whole(card.value)}</strong>"
+        f'<span class="muted">{_whole(card.note)}</span></li>'
         for card in found
     )
     return Html(f'<ul class="cards">{"".join(items)}</ul>')
+
+
+def _whole(plain: str) -> str:
+    """Text whose numbers are not parted from their percent sign."""
+    return escape(plain.replace(" %", "\N{NO-BREAK SPACE}%"))
 
 
 def table(
@@ -134,16 +161,17 @@ def table(
 ) -> Html:
     """A table whose rows begin with their name; it scrolls by itself where it is too wide.
 
-    ``over``: names above ``head``, each over as many columns as share them. ``words``: of text, to the left, and on a
-    narrow screen each row becomes a list of its cells.
+    ``over``: names above ``head``, each over as many columns as share them. ``words``: of text, to the left, and where
+    there are many columns each row becomes a list of its cells on a narrow screen.
     """
     names = list(head)
     top = "" if not over else _row_over(names, over)
     top += "<tr>" + "".join(_heading(name, "col") for name in names) + "</tr>"
-    body = "".join(_row(row, names if words else ()) for row in rows)
-    kind = "words records" if words else ""
+    records = words and len(names) > _COLUMNS
+    body = "".join(_row(row, names if records else ()) for row in rows)
+    kind = "words records" if records else "words" if words else ""
     # A table that is laid out as blocks is no table to a screen reader unless its role says so.
-    role = ' role="table"' if words else ""
+    role = ' role="table"' if records else ""
     return Html(
         f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(caption)}"><table{_class(kind)}{role}>'
         f"<caption>{escape(caption)}</caption><thead>{top}</thead><tbody>{body}</tbody></table></div>"

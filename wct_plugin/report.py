@@ -16,16 +16,19 @@ from wct_plugin.remaining import Remaining
 from wct_plugin.shape_floor import ShapeFloor
 from wct_plugin.surface import PLACES
 
-#: Bin edges of the histograms: smallest h/R of a tet, its largest face angle, all its dihedral angles.
+#: Bin edges of the histograms: smallest h/R of a tet, its largest face angle, all its dihedral angles, its R/l, where
+#: the last bin holds all that is larger too.
 BINS = {
     "h/R": np.linspace(-1.0, 1.0, 41),
     "face_angle": np.linspace(60.0, 180.0, 41),
     "dihedral_angle": np.linspace(0.0, 180.0, 37),
+    "R/l": np.linspace(0.6, 3.0, 49),
 }
 TITLES = {
     "h/R": "Smallest h/R of each tet",
     "face_angle": "Largest face angle of each tet",
     "dihedral_angle": "Dihedral angles",
+    "R/l": "R/ℓ of each tet",
 }
 _MEASURES = {"h/R": "h/R", "face_angle": "Face angle", "dihedral_angle": "Dihedral angle", "R/l": "R/ℓ"}
 _FLAGS = {"3wc": "3WC", "2wc": "2WC", "cwc": "CWC", "acute": "Acute"}
@@ -68,10 +71,11 @@ class Report:
     ranges: Mapping[str, tuple[float, float]]  #: min and max of h/R, face_angle, dihedral_angle (degrees), R/l
     flags: Mapping[str, int]  #: number of tets that are 3wc, 2wc, cwc, acute
     tiers: duals.Tiers
-    histograms: Mapping[str, NDArray[np.int64]]  #: counts: h/R (min per tet), face_angle (max), dihedral_angle (all)
+    histograms: Mapping[str, NDArray[np.int64]]  #: counts in :data:`BINS`
     worst: tuple[WorstTet, ...]  #: worst first, by the smaller of min h/R and the cosine of the largest face angle
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
     deviation: Mapping[str, float] | None  #: of the boundary from the reference, see :meth:`Deviation.to_dict`
+    tolerance: float | None = None  #: what the filter that made the mesh allowed of it, as a fraction of the diagonal
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
     notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
@@ -101,7 +105,12 @@ class Report:
             name: dict(zip(("tets", "not_3wc", "not_cwc"), counts, strict=True))
             for name, counts in self.bad_by_place.items()
         }
-        out |= {"deviation": self.deviation, "remaining": self.remaining, "shape": self.shape}
+        out |= {
+            "deviation": self.deviation,
+            "tolerance": self.tolerance,
+            "remaining": self.remaining,
+            "shape": self.shape,
+        }
         finite: dict[str, Any] = _finite(out)
         return finite
 
@@ -222,10 +231,12 @@ def make_report(mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None 
             "h/R": _counts("h/R", measured.min_height),
             "face_angle": _counts("face_angle", measured.max_face_angle),
             "dihedral_angle": _counts("dihedral_angle", quality.dihedral_angles(mesh.points, mesh.tets).ravel()),
+            "R/l": _counts("R/l", measured.radius_over_edge),
         },
         worst=_worst(mesh, measured, places, worst),
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},
         deviation=found.get("deviation") or _deviation(mesh),
+        tolerance=found.get("tolerance"),
         remaining=found.get("remaining"),
         shape=found.get("shape"),
         notes=_notes(found),
@@ -266,9 +277,10 @@ def text_histogram(edges: NDArray[np.float64], counts: NDArray[np.int64], unit: 
 
 
 def _counts(name: str, values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Every value in a bin: those beyond the ends in the outermost, what is no number in a flat tet with the worst."""
     bins = BINS[name]
-    # Rounding may push the extremes just over the ends.
-    return np.histogram(np.clip(values[np.isfinite(values)], bins[0], bins[-1]), bins)[0].astype(np.int64)
+    worst = bins[0] if name == "h/R" else bins[-1]
+    return np.histogram(np.clip(np.nan_to_num(values, nan=worst), bins[0], bins[-1]), bins)[0].astype(np.int64)
 
 
 def _worst(mesh: TetMesh, measured: Quality, places: NDArray[np.int8], count: int) -> tuple[WorstTet, ...]:
