@@ -39,6 +39,7 @@ class Writer(Stage[O_co]):
 
     family = "writers"
     many: ClassVar[bool] = False  #: whether it takes several meshes at once
+    reserved: ClassVar[frozenset[str]] = frozenset()  #: tags that these cannot have
 
     @property
     @abstractmethod
@@ -159,6 +160,7 @@ class WriteReport(Writer[ReportOptions]):
     name = "report"
     declaration = ReportOptions
     many = True
+    reserved = frozenset({"filters", "made"})  # beside the tags in the JSON
 
     @property
     def filename(self) -> str:  # noqa: D102

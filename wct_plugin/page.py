@@ -61,13 +61,16 @@ code { font-family: ui-monospace, monospace; font-size: .92em; }
   .records thead { position: absolute; clip-path: inset(50%); width: 1px; height: 1px; overflow: hidden; }
   .records, .records caption, .records tbody, .records tr { display: block; }
   .records tr { border-bottom: 1px solid var(--line); padding: .5rem 0; }
-  .records th, .records td { display: grid; grid-template-columns: 8.5rem 1fr; gap: .6rem; border: 0; padding: .1rem 0; }
+  .records th, .records td { display: grid; grid-template-columns: 8.5rem 1fr; gap: .6rem; border: 0; }
+  .records th, .records td { padding: .1rem 0; }
   .records [data-name]::before { content: attr(data-name); color: var(--muted); font-weight: 400; }
 }
 @media (max-width: 26rem) { th, td { padding: .3rem .25rem; } table { font-size: .8rem; } }
 @media print {
   body { font-size: 10.5pt; max-width: none; padding: 0; }
-  h2, h3, summary { break-after: avoid; } figure, .cards li, tr { break-inside: avoid; }
+  .grid { grid-template-columns: 1fr 1fr; } .columns { columns: 2; } details:not([open]) { display: none; }
+  table { font-size: .8rem; } th, td { padding: .2rem .4rem; }
+  h2, h3, summary, caption { break-after: avoid; } figure, .cards li, tr { break-inside: avoid; }
   .scroll { overflow: visible; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 """

@@ -1,8 +1,9 @@
 """What a mesh is like, in numbers: as a dict for JSON, as rows and bars for a terminal."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,6 @@ _TIER_NOTES = (
     "every tet contains its circumcenter",
     "and every triangle acute",
 )
-_BLOCKS = " ▏▎▍▌▋▊▉█"
 
 
 @dataclass(frozen=True)
@@ -182,12 +182,10 @@ class Report:
         title = remaining.title(self.remaining) + (f"; the worst {len(listed)} of them" if rest else "")
         return title, remaining.HEAD, listed
 
-    def text_histograms(self) -> list[tuple[str, list[str]]]:
-        """Title and lines of each histogram, for a terminal."""
-        return [
-            (TITLES[name], text_histogram(BINS[name], counts, "" if name == "h/R" else "°"))
-            for name, counts in self.histograms.items()
-        ]
+
+def short_names(reports: Sequence[Report]) -> list[str]:
+    """What to call each beside the others: its number and file, for the same name may be in two folders."""
+    return [f"{number}: {PurePath(one.source).name or 'mesh'}" for number, one in enumerate(reports, start=1)]
 
 
 def make_report(mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None = None) -> Report:
@@ -255,25 +253,6 @@ def _deviation(mesh: TetMesh) -> dict[str, float] | None:
     if mesh.reference is None or not mesh.reference.diagonal:
         return None
     return deviation(mesh.boundary_surface(), mesh.reference).to_dict(mesh.reference.diagonal)
-
-
-def text_histogram(edges: NDArray[np.float64], counts: NDArray[np.int64], unit: str = "", width: int = 40) -> list[str]:
-    """One line per bin, from the first to the last that holds anything: lower end, bar of up to ``width``, count.
-
-    ``edges`` (b + 1,), ``counts`` (b,); bars are in eighths of a character, and anything above zero shows.
-    """
-    filled = np.flatnonzero(counts)
-    if not len(filled):
-        return []
-    rows = range(int(filled[0]), int(filled[-1]) + 1)
-    digits = 0 if all(float(edge).is_integer() for edge in edges) else 2
-    labels = [f"{edges[k]:.{digits}f}{unit}" for k in rows]
-    margin = max(map(len, labels))
-    eighths = [math.ceil(8 * width * int(counts[k]) / int(counts.max())) for k in rows]
-    bars = [_BLOCKS[-1] * (size // 8) + (_BLOCKS[size % 8] if size % 8 else "") for size in eighths]
-    return [
-        f"{label:>{margin}} {bar:<{width}} {int(counts[k])}" for label, bar, k in zip(labels, bars, rows, strict=True)
-    ]
 
 
 def _counts(name: str, values: NDArray[np.float64]) -> NDArray[np.int64]:

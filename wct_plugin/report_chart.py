@@ -106,8 +106,8 @@ def colour_scale() -> Html:
         for value, word in ((-1.0, "−1"), (-0.5, "−0.5"), (0.0, "0"), (1.0 / 3.0, "⅓"))
     )
     said = (
-        "Colour: the smallest h/R of a tet, below 0 where its circumcenter is outside; violet where it is inside, but a "
-        "triangle of the tet is not acute."
+        "Colour: the smallest h/R of a tet, below 0 where its circumcenter is outside; violet where it is inside, but "
+        "a triangle of the tet is not acute."
     )
     drawing = (
         f'<svg viewBox="0 0 {_WIDTH:g} 56" width="{_WIDTH:g}" height="56" role="img" aria-label="{said}">{bars}{marks}'

@@ -1,13 +1,14 @@
 """Reports as one self-contained HTML page: what was reached, what is left and where, then all the numbers."""
 
 from collections.abc import Mapping, Sequence
+from importlib.metadata import version
 from pathlib import PurePath
 from typing import Any
 
 from wct_plugin import remaining
 from wct_plugin.mesh import TetMesh
 from wct_plugin.page import Card, Html, cards, columns, details, grid, image, join, page, paragraph, section, table
-from wct_plugin.report import BINS, TITLES, Report
+from wct_plugin.report import BINS, TITLES, Report, short_names
 from wct_plugin.report_chart import Axis, Series, colour_scale, histogram
 from wct_plugin.report_picture import Picture, check_available, pictures
 
@@ -42,12 +43,8 @@ def html(
     if not reports:
         raise ValueError("a page needs at least one report")
     check_available()
-    named = dict(zip(names or map(_name, range(1, len(reports) + 1), reports), reports, strict=True))
+    named = dict(zip(names or short_names(reports), reports, strict=True))
     return page(title, _parts(named, meshes, made))
-
-
-def _name(number: int, report: Report) -> str:
-    return f"{number}: {PurePath(report.source).name or 'mesh'}"
 
 
 def _parts(reports: Mapping[str, Report], meshes: Sequence[TetMesh], made: Mapping[str, Any] | None) -> list[Html]:
@@ -60,7 +57,7 @@ def _parts(reports: Mapping[str, Report], meshes: Sequence[TetMesh], made: Mappi
     parts += [_histograms(reports), _tables(reports)]
     if made is not None:
         parts.append(_made(made))
-    parts.append(_words())
+    parts += [_words(), paragraph(f"Made by wct_plugin {version('wct_plugin')}.", "muted")]
     return parts
 
 
@@ -82,7 +79,7 @@ def _verdict(report: Report, before: Report | None) -> Html:
         line = f"All {tets} tets contain their circumcenter"
         line += f"; {bad} have a triangle that is not acute." if bad else ", and all their triangles are acute."
     shape = {name: (low, high) for name, low, high in report.rows_ranges()}
-    tier = {name: note for name, _, note in report.rows_tiers()}.get(report.tiers.name, "not even valid")
+    tier = report.rows_tiers()[report.tiers.reached][2]
     found = [
         _share("Contain their circumcenter (3WC)", "3WC", report, before),
         _share("All triangles acute too (CWC)", "CWC", report, before),
@@ -267,4 +264,4 @@ def _words() -> Html:
         ("R/ℓ", "circumradius over shortest edge, 0.612 in the regular tet; large where a tet is flat"),
         ("place", "interior, boundary (or patch), crease or corner: the highest among the tet's vertices"),
     )  # fmt: skip
-    return section("Words", table("", ("word", "means"), meaning, words=True))
+    return section("Words", table("What they mean here", ("word", "means"), meaning, words=True))
