@@ -47,10 +47,11 @@ svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
 .scroll { overflow-x: auto; max-width: 100%; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .3rem .75rem; text-align: right; vertical-align: top; border-bottom: 1px solid var(--line); }
-thead th { background: var(--panel); vertical-align: bottom; }
+thead th { background: var(--panel); vertical-align: bottom; overflow-wrap: anywhere; }
 thead th[scope=colgroup] { text-align: center; }
 tbody th { font-weight: 500; }
 tbody th, thead th:first-child, .words td, .words th { text-align: left; }
+.words td, .words th { overflow-wrap: anywhere; } .words :is(.good, .bad) { overflow-wrap: normal; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--good); }
 code { font-family: ui-monospace, monospace; font-size: .92em; }
 :focus-visible { outline: 2px solid var(--good); outline-offset: 2px; }

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from wct_plugin.page import Html, details, table
 from wct_plugin.report_picture import OBTUSE, SCALE
 
-_WIDTH, _LEFT, _RIGHT = 460.0, 44.0, 22.0
-_PANEL, _NAME, _GAP, _FOOT = 88.0, 22.0, 12.0, 38.0
+_WIDTH, _LEFT, _RIGHT = 460.0, 52.0, 22.0
+_PANEL, _LINE, _GAP, _FOOT = 88.0, 19.0, 12.0, 38.0
+#: So many characters fit the width, on a phone's screen too.
+_CHARACTERS = 44
 #: Words stand over the highest bar.
 _ROOM = 1.2
 #: What is not empty is seen.
@@ -26,6 +28,12 @@ class Series:
     name: str
     counts: NDArray[np.int64]
     note: str
+
+    @property
+    def percent(self) -> NDArray[np.float64]:
+        """Of its own whole (b,)."""
+        out: NDArray[np.float64] = 100.0 * self.counts / max(int(self.counts.sum()), 1)
+        return out
 
 
 @dataclass(frozen=True)
@@ -62,16 +70,17 @@ class Axis:
 
 def histogram(axis: Axis, series: Sequence[Series]) -> Html:
     """A figure with its numbers folded away below."""
-    shares = [100.0 * one.counts / max(int(one.counts.sum()), 1) for one in series]
-    filled = np.flatnonzero(np.any(shares, axis=0))
+    filled = np.flatnonzero(np.any([one.counts for one in series], axis=0))
     first, last = _shown(axis, int(filled[0]), int(filled[-1]))
-    most = _ROOM * max(float(share.max()) for share in shares)
+    most = _ROOM * max(float(one.percent.max()) for one in series)
     scale = _Scale(float(axis.edges[first]), float(axis.edges[last + 1]), most)
+    heads = [_head(one) for one in series]
+    name = _LINE * max(map(len, heads)) + 3.0
     panels = [
-        _panel(axis, one, share, scale, k * (_NAME + _PANEL + _GAP), range(first, last + 1))
-        for k, (one, share) in enumerate(zip(series, shares, strict=True))
+        _panel(axis, one, head, scale, k * (name + _PANEL + _GAP) + name, range(first, last + 1))
+        for k, (one, head) in enumerate(zip(series, heads, strict=True))
     ]
-    bottom = len(series) * (_NAME + _PANEL + _GAP) - _GAP
+    bottom = len(series) * (name + _PANEL + _GAP) - _GAP
     ticks = "".join(
         f'<text x="{scale.x(value):.1f}" y="{bottom + 16:.1f}" text-anchor="middle">{escape(axis.say(value))}</text>'
         for value in _ticks(scale.low, scale.high, 6)
@@ -145,10 +154,21 @@ class _Scale:
         return max(_PANEL * percent / self.most, _LEAST) if percent else 0.0
 
 
-def _panel(axis: Axis, one: Series, share: NDArray[np.float64], scale: _Scale, top: float, shown: range) -> str:
-    base, start, end = top + _NAME + _PANEL, _LEFT, _WIDTH - _RIGHT
+def _head(one: Series) -> list[str]:
+    """What stands over a panel, in lines that fit."""
+    line = f"{one.name}: {one.note}"
+    if len(line) <= _CHARACTERS:
+        return [line]
+    half = _CHARACTERS // 2 - 1
+    return [one.name if len(one.name) <= _CHARACTERS else f"{one.name[:half]}…{one.name[-half:]}", one.note]
+
+
+def _panel(axis: Axis, one: Series, head: Sequence[str], scale: _Scale, top: float, shown: range) -> str:
+    base, start, end = top + _PANEL, _LEFT, _WIDTH - _RIGHT
+    share = one.percent
     parts = [
-        f'<text x="{start:g}" y="{top + 13:.1f}" font-weight="bold">{escape(_short(f"{one.name}: {one.note}"))}</text>'
+        f'<text x="{start:g}" y="{top - 6 - _LINE * (len(head) - 1 - k):.1f}">{escape(line)}</text>'
+        for k, line in enumerate(head)
     ]
     for value in _ticks(0.0, scale.most, 3):
         y = base - _PANEL * value / scale.most
@@ -167,7 +187,7 @@ def _panel(axis: Axis, one: Series, share: NDArray[np.float64], scale: _Scale, t
             f"({share[k]:.3g} %)</title></rect>"
         )
     if axis.line is not None:
-        parts.append(_line(axis, scale.x(axis.line), top + _NAME, base))
+        parts.append(_line(axis, scale.x(axis.line), top, base))
     return "".join(parts)
 
 
@@ -190,7 +210,3 @@ def _ticks(low: float, high: float, most: int) -> list[float]:
     step = next(unit * factor for factor in (1.0, 2.0, 2.5, 5.0, 10.0) if unit * factor >= rough)
     start, end = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return [round(k * step, 10) + 0.0 for k in range(start, end + 1)]
-
-
-def _short(said: str, most: int = 64) -> str:
-    return said if len(said) <= most else said[: most - 1] + "…"

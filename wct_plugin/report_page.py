@@ -104,11 +104,11 @@ def _flag(report: Report, flag: str) -> tuple[int, str]:
 
 def _boundary(report: Report) -> Card:
     if report.deviation is None:
-        return Card("Boundary moved by", "not measured", "no surface to compare with is known")
+        return Card("Boundary to reference", "not measured", "no surface to compare with is known")
     apart = report.deviation["fraction_of_diagonal"]
     value, both = _power(apart), "of the diagonal, farthest distance both ways"
     if report.tolerance is None:
-        return Card("Boundary moved by", value, both)
+        return Card("Boundary to reference", value, both)
     within = apart <= report.tolerance
     note = f"{both}; {'within' if within else 'beyond'} the tolerance of {_power(report.tolerance)}"
     return Card("Boundary kept" if within else "Boundary not kept", value, note, "good" if within else "bad")

@@ -23,9 +23,9 @@ Ints = NDArray[np.int64]
 #: Anchors of the colours: h/R and sRGB. All above zero are lighter than all below, whatever the eye or the printer.
 SCALE = (
     (-1.0, (0.42, 0.13, 0.01)),
-    (-0.0, (0.91, 0.35, 0.05)),
-    (0.0, (0.86, 0.92, 0.97)),
-    (1.0 / 3.0, (0.55, 0.75, 0.89)),
+    (0.0, (0.86, 0.31, 0.03)),
+    (0.0, (0.88, 0.94, 0.98)),
+    (1.0 / 3.0, (0.62, 0.79, 0.91)),
 )
 #: A tet that contains its circumcenter and has an obtuse triangle.
 OBTUSE = (0.48, 0.32, 0.67)
@@ -56,7 +56,7 @@ def check_available() -> None:
 
 def colours(height: Floats) -> Floats:
     """(k, 3) the colour of each smallest h/R (k,), the darkest where it is not a number."""
-    at = np.array([height_ for height_, _ in SCALE])
+    at = np.array([value for value, _ in SCALE])
     rgb = np.array([colour for _, colour in SCALE])
     height = np.nan_to_num(height, nan=-1.0)
     out: Floats = np.stack(
@@ -201,12 +201,12 @@ class _Sheet:
         from PIL import Image
 
         self._compass()
+        width, height = (int(side) for side in self._figure.bbox.size)
         raw, packed = BytesIO(), BytesIO()
-        self._figure.savefig(raw, format="png", transparent=True)
-        with Image.open(raw) as image:
-            image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE).save(packed, format="png", optimize=True)
-            size = image.size
-        return Picture(packed.getvalue(), size, caption, f"{caption}. {alt}.")
+        self._figure.savefig(raw, format="rgba", transparent=True)
+        image = Image.frombytes("RGBA", (width, height), raw.getvalue())
+        image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE).save(packed, format="png")
+        return Picture(packed.getvalue(), image.size, caption, f"{caption}. {alt}.")
 
     def _facing(self, triangles: Ints) -> tuple[NDArray[np.bool_], Floats]:
         corners = self._seen[triangles]
