@@ -94,8 +94,10 @@ def _verdict(report: Report, before: Report | None) -> Html:
 def _share(label: str, flag: str, report: Report, before: Report | None) -> Card:
     count, percent = _flag(report, flag)
     note = f"{count} of {report.tets} tets" + (f"; before: {_flag(before, flag)[1]}" if before else "")
-    met = count == report.tets
-    return Card(label, "100 %" if met else percent, note, "good" if met else "bad")
+    if count == report.tets:
+        return Card(label, "100 %", note, "good")
+    wanted = report.remaining is None or report.remaining["count"] > 0  # else the goal was less, and it is met
+    return Card(label, percent, note, "bad" if wanted else "")
 
 
 def _flag(report: Report, flag: str) -> tuple[int, str]:
@@ -179,7 +181,7 @@ def _histograms(reports: Mapping[str, Report]) -> Html:
     notes = {
         "h/R": lambda r: f"{r.tets - r.flags['3wc']} of {r.tets} tets at 0 or below",
         "face_angle": lambda r: f"{r.tets - r.flags['2wc']} of {r.tets} tets at 90° or above",
-        "dihedral_angle": lambda r: f"{r.tets - r.flags['acute']} of {r.tets} tets have one of 90° or more",
+        "dihedral_angle": lambda r: f"{r.tets - r.flags['acute']} of {r.tets} tets have 90° or more",
         "R/l": lambda r: f"largest {r.rows_ranges()[3][2]}",
     }
     return section(
