@@ -157,7 +157,7 @@ def test_another_filter_by_name(cube, tmp_path, capsys):
 
 def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
     cli.run(["optimize", str(cube), str(tmp_path / "out.vtu"), "--goal", "3wc", "--json", "-"])
-    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters"}
+    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters", "made"}
 
 
 def on_a_terminal(folder, arguments, interrupt_at=None):
@@ -392,7 +392,7 @@ def test_a_full_disk(small_disk, tmp_path, capsys, suffix):
 
 
 def test_a_crash_of_ours_is_one_line_too(cube, capsys, monkeypatch):
-    monkeypatch.setattr("wct_plugin.cli.make_report", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("wct_plugin.cli_report.make_report", lambda *_, **__: 1 / 0)
     assert "internal error, please report it: ZeroDivisionError" in refused(capsys, "report", cube)
 
 

@@ -154,7 +154,7 @@ def test_branches_by_tags(place):
     assert result["twice"].flow.written == "twice.vtu"
     assert json.loads((place / "once.json").read_text())["volume"] == pytest.approx(1.0)
     both = json.loads((place / "both.json").read_text())
-    assert list(both) == ["raw", "twice", "filters"]
+    assert list(both) == ["raw", "twice", "filters", "made"]
     assert [both[tag]["volume"] for tag in ("raw", "twice")] == pytest.approx([1.0, 8.0])
     assert both["filters"] == {"scale": {"by": 2.0}}
     with pytest.raises(OptionError, match=r"no stage has the tag 'rew'; did you mean 'raw'\? \(tags: raw, twice\)"):

@@ -108,7 +108,7 @@ def _boundary(report: Report) -> Card:
     if report.deviation is None:
         return Card("Boundary to reference", "not measured", "no surface to compare with is known")
     apart = report.deviation["fraction_of_diagonal"]
-    value, both = _power(apart), "of the diagonal, farthest distance both ways"
+    value, both = _power(apart), "of the diagonal, the farthest of samples both ways"
     if report.tolerance is None:
         return Card("Boundary to reference", value, both)
     within = apart <= report.tolerance

@@ -140,7 +140,7 @@ def environment() -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Numbers, strings, lists and dicts, as JSON has them; None where a number is not finite, a mesh as its size."""
+    """Numbers, strings, lists and dicts, as JSON has them; None for what is not finite, a mesh as its file or size."""
     match value:
         case Mapping():
             return {str(key): plain(item) for key, item in value.items()}
@@ -151,9 +151,9 @@ def plain(value: Any) -> Any:
         case float():
             return value if math.isfinite(value) else None
         case TetMesh():
-            return f"<tet mesh of {len(value.tets)} tets>"
+            return value.source or f"<tet mesh of {len(value.tets)} tets>"
         case SurfaceMesh():
-            return f"<surface of {len(value.triangles)} triangles>"
+            return value.source or f"<surface of {len(value.triangles)} triangles>"
         case str() | int() | None:
             return value
         case _:
