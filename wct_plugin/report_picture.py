@@ -15,7 +15,7 @@ from wct_plugin import quality
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import TetMesh
 from wct_plugin.surface import strata
-from wct_plugin.topology import FACETS
+from wct_plugin.topology import Topology
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -134,7 +134,8 @@ class _Drawn:
         sheet = _Sheet(eye.see(self.mesh.points), eye)
         skin = self.mesh.topology.boundary
         sheet.glass(skin, behind=True)
-        sheet.triangles(self.mesh.tets[self.bad][:, FACETS].reshape(-1, 3), np.repeat(self.colour[self.bad], 4, axis=0))
+        body = Topology(self.mesh.tets[self.bad], self.mesh.regions[self.bad], len(self.mesh.points))
+        sheet.triangles(body.boundary, self.colour[self.bad[body.boundary_half_facets[:, 0]]])
         sheet.glass(skin, behind=False)
         sheet.lines(strata(self.mesh).segments)
         if len(self.bad) <= _FEW:
@@ -215,10 +216,10 @@ class _Sheet:
         light = np.clip(normal @ _LIGHT / (length * np.linalg.norm(_LIGHT)), 0.0, 1.0)
         return normal[:, 2] > 0, 0.72 + 0.28 * light
 
-    def _polygons(self, corners: Floats, face: Any, edge: Any, width: float) -> None:
+    def _polygons(self, corners: Any, face: Any, edge: Any, width: float) -> None:
         from matplotlib.collections import PolyCollection
 
-        self._add(PolyCollection(list(corners), facecolors=face, edgecolors=edge, linewidths=width))
+        self._add(PolyCollection(corners, facecolors=face, edgecolors=edge, linewidths=width))
 
     def _add(self, collection: Any) -> None:
         self._layer += 1
