@@ -24,7 +24,6 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 74rem; margin: 0 auto; p
   color: var(--ink); background: var(--page); overflow-wrap: break-word; }
 h1 { font-size: 1.6rem; line-height: 1.25; margin: 0 0 .25rem; }
 h2 { font-size: 1.25rem; margin: 2.5rem 0 .5rem; padding-top: .6rem; border-top: 1px solid var(--line); }
-h3 { font-size: 1.05rem; margin: 1.5rem 0 .4rem; }
 p { margin: .4rem 0; max-width: 75ch; }
 .muted, figcaption { color: var(--muted); }
 table .good, table .bad { white-space: nowrap; }
@@ -53,7 +52,6 @@ tbody th { font-weight: 500; }
 tbody th, thead th:first-child, .words td, .words th { text-align: left; }
 .words td, .words th { overflow-wrap: anywhere; } .words :is(.good, .bad) { overflow-wrap: normal; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--good); }
-code { font-family: ui-monospace, monospace; font-size: .92em; }
 :focus-visible { outline: 2px solid var(--good); outline-offset: 2px; }
 @media (max-width: 42rem) {
   th, td { padding: .3rem .4rem; }
@@ -71,7 +69,7 @@ code { font-family: ui-monospace, monospace; font-size: .92em; }
   body { font-size: 10.5pt; max-width: none; padding: 0; }
   .grid { grid-template-columns: 1fr 1fr; } .columns { columns: 2; } details:not([open]) { display: none; }
   table { font-size: .8rem; } th, td { padding: .2rem .4rem; }
-  h2, h3, summary, caption { break-after: avoid; } figure, .cards li, tr { break-inside: avoid; }
+  h2, summary, caption { break-after: avoid; } figure, .cards li, tr { break-inside: avoid; }
   .scroll { overflow: visible; } * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 """
@@ -91,11 +89,6 @@ def page(title: str, body: Iterable[Html]) -> str:
     )
 
 
-def text(plain: str) -> Html:
-    """Plain text."""
-    return Html(escape(plain))
-
-
 def paragraph(plain: str, kind: str = "") -> Html:
     """A paragraph; ``kind``: ``muted``, ``good`` or ``bad``."""
     return Html(f"<p{_class(kind)}>{escape(plain)}</p>")
@@ -106,9 +99,9 @@ def join(parts: Iterable[Html]) -> Html:
     return Html("\n".join(parts))
 
 
-def section(title: str, *parts: Html, level: int = 2) -> Html:
+def section(title: str, *parts: Html) -> Html:
     """A heading and what stands below it."""
-    return Html(f"<section><h{level}>{escape(title)}</h{level}>\n{join(parts)}</section>")
+    return Html(f"<section><h2>{escape(title)}</h2>\n{join(parts)}</section>")
 
 
 def grid(parts: Iterable[Html]) -> Html:
