@@ -163,6 +163,16 @@ def test_flat_tets_count_too():
     assert "2.95 or more: 1 tets" in html([report], "t", meshes=[flat])
 
 
+def test_what_is_proven_stands_in_the_page():
+    proven, open_ = (make_report(mesh, exact=True) for mesh in (AFTER, BEFORE))
+    page = Page(html([proven, open_], "t")).shown
+    assert "Exact certificate, 2: " in page
+    for report in (proven, open_):
+        assert report.certificate.headline() in page
+        assert all(line in page for line in report.certificate.lines())
+    assert "Exact certificate" not in Page(html([make_report(AFTER)], "t")).shown
+
+
 @pytest.mark.parametrize("count", [1, 3])
 def test_any_number_of_reports(count):
     page = Page(html([make_report(bcc(2), worst=0) for _ in range(count)], "t"))
@@ -191,7 +201,7 @@ def screens(tmp_path_factory):
             [make_report(BEFORE), left_in(left)], f"{NASTY} → out", names=["before", "after"], meshes=[BEFORE, left],
             made=made(left),
         ),
-        "beside": html([make_report(mesh) for mesh in (BEFORE, AFTER)], NASTY, meshes=[BEFORE, AFTER]),
+        "beside": html([make_report(mesh, exact=True) for mesh in (BEFORE, AFTER)], NASTY, meshes=[BEFORE, AFTER]),
         "many": html([make_report(replace(ball(3), source=f"{k}.vtu")) for k in range(4)], "four"),
     }  # fmt: skip
     return laid_out(pages, tmp_path_factory.mktemp("browser"))

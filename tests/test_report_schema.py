@@ -31,6 +31,8 @@ def test_it_holds_for_any_mesh():
     flat = single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.3, 1e-12]])
     for mesh in (bcc(2), jittered_cube(3), replace(ball(2), reference=sphere_surface(50)), flat):
         assert errors(make_report(mesh).to_dict()) == []
+    for mesh in (bcc(2), jittered_cube(3)):
+        assert errors(make_report(mesh, exact=True).to_dict()) == []
     broken = replace(make_report(bcc(2)), volume=float("inf"))
     assert errors(broken.to_dict()) == []
 

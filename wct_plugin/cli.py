@@ -17,6 +17,7 @@ import click
 
 import wct_plugin as wct
 from wct_plugin import cli_options, pipeline_json, stage_page
+from wct_plugin.cli_create import create
 from wct_plugin.cli_report import report
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
@@ -57,6 +58,7 @@ def cli() -> None:
 
 cli.add_command(run_pipeline)
 cli.add_command(report)
+cli.add_command(create)
 
 
 @cli.command()

@@ -3,7 +3,7 @@
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -17,7 +17,7 @@ from rich.progress import Progress as ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from wct_plugin import files, stage_page
+from wct_plugin import certificate, files, stage_page
 from wct_plugin.errors import WctWarning
 from wct_plugin.report import Report, short_names
 from wct_plugin.report_text import text_histograms
@@ -112,6 +112,7 @@ def print_report(report: Report) -> None:
     _print_histograms([report], "", 40)
     if report.worst:
         out.print(table("Worst tets", report.worst_head(), report.rows_worst()))
+    _print_certificate(report, "")
 
 
 def print_side_by_side(reports: Sequence[Report]) -> None:
@@ -133,6 +134,15 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
     for name, report in zip(names, reports, strict=True):
         if report.worst:
             out.print(table(f"Worst tets, {name}", report.worst_head(), report.rows_worst()))
+        _print_certificate(report, f", {name}")
+
+
+def _print_certificate(report: Report, name: str) -> None:
+    if report.certificate:
+        title = f"Exact certificate{name}, {report.certificate.headline()}"
+        out.print(table(title, certificate.HEAD, report.certificate.rows()))
+        for line in report.certificate.lines():
+            out.print(Text(line), soft_wrap=True)
 
 
 def _print_histograms(reports: Sequence[Report], names: str, width: int) -> None:
@@ -158,6 +168,24 @@ def print_result(result: Result) -> None:
     out.print(table("Stages", ("stage", "tag", "seconds", "mesh"), rows, left=True))
     for goal in result.goals:
         out.print(Text(str(goal)))
+
+
+def print_metrics(title: str, metrics: Mapping[str, Any]) -> None:
+    """What a filter found out, a line per metric."""
+    rows = [(name.replace("_", " "), _shown(value)) for name, value in metrics.items()]
+    out.print(table(title, ("", ""), rows))
+
+
+def _shown(value: Any) -> str:
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case float():
+            return f"{value:.4g}"
+        case list() | tuple():
+            return ", ".join(f"({_shown(item)})" if isinstance(item, list) else _shown(item) for item in value)
+        case _:
+            return str(value)
 
 
 def print_page(stage: type[Filter[Options]]) -> None:

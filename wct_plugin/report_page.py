@@ -5,7 +5,8 @@ from importlib.metadata import version
 from pathlib import PurePath
 from typing import Any
 
-from wct_plugin import remaining
+from wct_plugin import certificate, remaining
+from wct_plugin.certificate import Certificate
 from wct_plugin.mesh import TetMesh
 from wct_plugin.page import Card, Html, cards, columns, details, grid, image, join, page, paragraph, section, table
 from wct_plugin.report import BINS, TITLES, Report, short_names
@@ -54,6 +55,7 @@ def _parts(reports: Mapping[str, Report], meshes: Sequence[TetMesh], made: Mappi
     parts += [
         _left(name, report, len(reports) > 1) for name, report in reports.items() if report.left() or report.notes
     ]
+    parts += [_certificate(name, one.certificate) for name, one in reports.items() if one.certificate]
     parts += [_histograms(reports), _tables(reports)]
     if made is not None:
         parts.append(_made(made))
@@ -172,6 +174,14 @@ def _left(name: str, report: Report, named: bool) -> Html:
             parts.append(details(f"The next {len(rows) - _FIRST}", more))
     parts += [paragraph(note) for note in report.notes]
     return section("What is left" + (f": {name}" if named else ""), *parts)
+
+
+def _certificate(name: str, found: Certificate) -> Html:
+    return section(
+        f"Exact certificate, {name}: {found.headline()}",
+        table("What is proven", certificate.HEAD, found.rows()),
+        *map(paragraph, found.lines()),
+    )
 
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
