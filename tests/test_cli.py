@@ -157,7 +157,7 @@ def test_another_filter_by_name(cube, tmp_path, capsys):
 
 def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
     cli.run(["optimize", str(cube), str(tmp_path / "out.vtu"), "--goal", "3wc", "--json", "-"])
-    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters", "made"}
+    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters", "provenance"}
 
 
 def on_a_terminal(folder, arguments, interrupt_at=None):

@@ -68,19 +68,19 @@ def test_it_holds_for_what_the_command_line_writes(tmp_path, monkeypatch, capsys
     for found in (one, two, made):
         assert errors(found) == []
     assert two[0] == one
-    stages = made["made"]["stages"]
+    stages = made["provenance"]["stages"]
     assert [stage["type"] for stage in stages] == ["readers.mesh", "filters.meshing_well_centered"]
     assert stages[1]["given"] == ["boundary"]
     assert stages[1]["options"]["boundary"] == "fixed"
     assert all(stage["seconds"] > 0 for stage in stages)
-    assert made["made"]["versions"]["numpy"] == np.__version__
+    assert made["provenance"]["versions"]["numpy"] == np.__version__
     assert made["after"]["tolerance"] > 0
     assert made["after"]["remaining"]["count"] == 1
     assert cli.run(["report", "--schema"]) == 0
     assert json.loads(capsys.readouterr().out) == schema()
 
 
-@pytest.mark.parametrize("tag", ["filters", "made"])
+@pytest.mark.parametrize("tag", ["filters", "provenance"])
 def test_no_mesh_may_take_a_name_that_means_something_else(tag, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     wct.write("a.vtu", bcc(2))

@@ -157,14 +157,14 @@ class WriteReport(Writer[ReportOptions]):
     """Write the report of a tet mesh, or of several side by side, as an HTML page or as JSON, and hand the last one on.
 
     JSON of one mesh is the object that ``wct report --json`` gives. JSON of several has the reports under their tags,
-    and of the last one under ``filters`` the metrics of the filters it came through and under ``made`` its stages with
-    options and seconds, and the versions. All are measured against the reference of the last one.
+    and of the last one under ``filters`` the metrics of the filters it came through and under ``provenance`` its
+    stages with options and seconds, and the versions. All are measured against the reference of the last one.
     """
 
     name = "report"
     declaration = ReportOptions
     many = True
-    reserved = frozenset({"filters", "made"})  # beside the tags in the JSON
+    reserved = frozenset({"filters", "provenance"})  # beside the tags in the JSON
 
     @property
     def filename(self) -> str:  # noqa: D102
@@ -231,7 +231,7 @@ def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]
     if len(reports) == 1:
         return next(iter(reports.values()))
     last = list(flows.values())[-1]
-    return {**reports, "filters": plain(last.metrics), "made": provenance(last)}
+    return {**reports, "filters": plain(last.metrics), "provenance": provenance(last)}
 
 
 #: Every reader and writer by type.

@@ -146,15 +146,17 @@ def _pictures(names: Sequence[str], meshes: Sequence[TetMesh]) -> Html:
 
 def _gallery(found: Sequence[tuple[str, Sequence[Picture]]]) -> Html:
     """Like beside like: first the boundary of every mesh, then the inside of those that have bad tets."""
+    if len(found) == 1:
+        return grid(image(one.png, one.size, one.alt, one.caption) for one in found[0][1])
     rows = []
     for k in range(max(len(each) for _, each in found)):
         row = []
         for name, each in found:
-            of = f"{name}. " if len(found) > 1 else ""
             if k < len(each):
-                row.append(image(each[k].png, each[k].size, of + each[k].alt, of + each[k].caption))
+                one = each[k]
+                row.append(image(one.png, one.size, f"{name}. {one.alt}", f"{name}. {one.caption}"))
             else:
-                row.append(paragraph(f"{of}No bad tets: there is nothing to show inside.", "muted"))
+                row.append(paragraph(f"{name}. No bad tets: there is nothing to show inside.", "muted"))
         rows.append(grid(row))
     return join(rows)
 
