@@ -204,6 +204,7 @@ def resample(
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
     gap: float = 1.0,
+    threads: int = 0,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
 
@@ -231,6 +232,7 @@ def refill(
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
+    threads: int = 0,
 ) -> RefilledArrays:
     """Fill a mesh anew between its surface facets, which stay.
 

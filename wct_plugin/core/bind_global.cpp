@@ -167,7 +167,7 @@ nb::object curvature_arrays(const Array &surface_points, const Array &triangles,
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         bool cosines, std::uint64_t seed, const nb::object &progress, double gap) {
+                         bool cosines, std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
     surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
@@ -194,7 +194,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         Reference reference(std::move(surface));
-        result = resample(reference, mesh, wanted, form, monitor);
+        result = resample(reference, mesh, wanted, form, monitor, workers_of(threads));
         labels = label_surface(result.cloud, result.complex, reference);
     }
     return to_python(result, labels);
@@ -208,6 +208,7 @@ void bind_global(nb::module_ &m) {
         nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
         nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("cosines") = true,
         nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap,
+        nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"

@@ -20,17 +20,13 @@ TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::ar
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const Vec3 &p, int hint, double enough) const {
-    // The hint only says how near the answer must be, with room for rounding: of equally near triangles the first in
-    // the tree is the answer.
-    constexpr double kRounding = 1e-14;
+    // The hint only says how near the answer must be: of equally near triangles the first in the tree is the answer.
     double most = std::numeric_limits<double>::infinity();
     if (hint >= 0) {
         const TrianglePoint at = nearest_on(hint, p);
         if (at.square <= enough)
             return {at, hint};
-        const double far = std::sqrt(at.square);
-        const double room = far + kRounding * (far + scale_);
-        most = room * room;
+        most = with_room(at.square, scale_);
     }
     Nearest found;
     tree_.minimise(
