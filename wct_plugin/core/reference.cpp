@@ -46,6 +46,8 @@ Reference::Reference(SurfaceData data) : data_(std::move(data)) {
     for (std::size_t t = 0; t < data_.triangles.size(); ++t)
         patch_trees_[data_.patch[t]].triangles.push_back(static_cast<int>(t));
     for (auto &part : patch_trees_) {
+        if (patch_trees_.size() == 1)
+            break; // tree_ is that of the only patch
         std::vector<Box> own;
         for (const int t : part.triangles)
             own.push_back(boxes[t]);
@@ -245,7 +247,7 @@ void Reference::try_triangle(const Vec3 &p, int triangle, double &square, Foot &
 
 Foot Reference::nearest(const Vec3 &p, int patch, int hint) const {
     Foot foot;
-    const PatchTree *part = patch < 0 ? nullptr : &patch_trees_[patch];
+    const PatchTree *part = patch < 0 || patch_trees_.size() == 1 ? nullptr : &patch_trees_[patch];
     const BoxTree &tree = part ? part->tree : tree_;
     double most = std::numeric_limits<double>::infinity();
     if (hint >= 0 && (!part || data_.patch[hint] == patch)) {

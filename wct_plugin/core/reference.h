@@ -67,6 +67,8 @@ class Reference {
     /// Nearest point of the surface, or of one patch. Sooner where `hint` is a triangle nearby; the answer does not
     /// depend on it.
     Foot nearest(const Vec3 &p, int patch = -1, int hint = -1) const;
+    /// Over all triangles.
+    const BoxTree &tree() const { return tree_; }
     CurveFoot nearest_on_curve(const Vec3 &p, int curve, bool shifted = false) const;
     /// First hit of a ray beyond `least`: distance and triangle (-1: none).
     double ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const;

@@ -66,14 +66,6 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     limit_by_thickness(workers);
     surface = limit_;
     limit_by_curvature();
-    std::vector<Box> boxes;
-    for (const auto &t : reference.data().triangles) {
-        Box box;
-        for (const int v : t)
-            box.add(reference.data().points[v]);
-        boxes.push_back(box);
-    }
-    tree_ = BoxTree(boxes);
     grade();
 }
 
@@ -204,7 +196,7 @@ void Sizing::grade() {
     std::vector<double> values;
     for (const auto &t : data.triangles)
         values.push_back(std::min({surface[t[0]], surface[t[1]], surface[t[2]]}));
-    least_ = tree_.smallest(values);
+    least_ = reference_.tree().smallest(values);
     for (const double s : values)
         smallest_ = std::min(smallest_, s);
 }
@@ -227,8 +219,9 @@ double Sizing::on_surface(const Foot &foot) const {
 double Sizing::at(const Vec3 &p) const {
     const auto &data = reference_.data();
     const double most = form_.coarsen * input_size(p);
-    return tree_.minimise(
-        most, [&](std::size_t node) { return least_[node] + form_.inner_grade * std::sqrt(tree_.box(node).square(p)); },
+    const BoxTree &tree = reference_.tree();
+    return tree.minimise(
+        most, [&](std::size_t node) { return least_[node] + form_.inner_grade * std::sqrt(tree.box(node).square(p)); },
         [&](std::size_t item, double) {
             const auto &[a, b, c] = data.triangles[item];
             const TrianglePoint q = nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);

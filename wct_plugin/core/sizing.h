@@ -62,8 +62,7 @@ class Sizing {
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;
-    BoxTree tree_;
-    std::vector<double> least_; // per node of tree_
+    std::vector<double> least_; // per node of the reference's tree
     double smallest_ = 0.0;
     double largest_ = 0.0;
 };

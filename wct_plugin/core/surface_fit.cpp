@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace wct {
 
@@ -19,27 +20,37 @@ Vec3 blend(const Cloud &cloud, const Tie &tie) {
            tie.weight[2] * cloud.points[tie.corner[2]];
 }
 
-/// Ties of one facet's samples to the reference, nothing for those over planes.
-void tie_facet(const Cloud &cloud, const Reference &reference, const std::array<int, 3> &f, std::vector<Tie> &ties) {
+/// The edges that a facet samples: each edge of the surface from one of its two sides.
+bool samples_edge(const std::array<int, 3> &f, int k) {
+    return f[k] < f[(k + 1) % 3];
+}
+
+std::size_t samples_of(const std::array<int, 3> &f) {
+    return std::size(kInner) + (kSteps - 1) * (samples_edge(f, 0) + samples_edge(f, 1) + samples_edge(f, 2));
+}
+
+/// Ties of one facet's samples to the reference, from `tie` on; those over planes stay empty.
+void tie_facet(const Cloud &cloud, const Reference &reference, const std::array<int, 3> &f, Tie *tie) {
     int near = std::max({cloud.near[f[0]], cloud.near[f[1]], cloud.near[f[2]]});
     const auto tie_point = [&](const std::array<double, 3> &weight) {
-        Tie tie{f, weight, {}, 0.0};
-        const Vec3 p = blend(cloud, tie);
+        Tie made{f, weight, {}, 0.0};
+        const Vec3 p = blend(cloud, made);
         const Foot foot = reference.nearest(p, -1, near);
         near = foot.triangle;
-        if (reference.planar(reference.data().patch[foot.triangle]))
-            return;
-        // Across an edge of the reference the distance grows along the way to the foot; on it, along the normal.
-        const Vec3 away = p - foot.point;
-        tie.normal = foot.distance > 1e-9 * reference.diagonal() ? (1.0 / foot.distance) * away
-                                                                 : reference.normal(foot.triangle);
-        tie.level = dot(tie.normal, foot.point);
-        ties.push_back(tie);
+        if (!reference.planar(reference.data().patch[foot.triangle])) {
+            // Across an edge of the reference the distance grows along the way to the foot; on it, along the normal.
+            const Vec3 away = p - foot.point;
+            made.normal = foot.distance > 1e-9 * reference.diagonal() ? (1.0 / foot.distance) * away
+                                                                      : reference.normal(foot.triangle);
+            made.level = dot(made.normal, foot.point);
+            *tie = made;
+        }
+        ++tie;
     };
     for (const auto &w : kInner)
         tie_point({w[0], w[1], w[2]});
-    for (int k = 0; k < 3; ++k) { // each edge from one of its two sides
-        if (f[k] > f[(k + 1) % 3])
+    for (int k = 0; k < 3; ++k) {
+        if (!samples_edge(f, k))
             continue;
         for (int j = 1; j < kSteps; ++j) {
             std::array<double, 3> weight{};
@@ -50,55 +61,36 @@ void tie_facet(const Cloud &cloud, const Reference &reference, const std::array<
     }
 }
 
-/// The tie of a vertex of the reference to the facet nearest to it; none where they touch.
-void tie_vertex(const Vec3 &p, const TriangleTree &tree, const std::vector<std::array<int, 3>> &facets, double touch,
-                int &near, std::vector<Tie> &ties) {
-    const auto at = tree.nearest(p, near);
-    near = at.triangle;
-    const double distance = std::sqrt(at.square);
-    if (!(distance > touch))
-        return;
-    Tie tie{facets[at.triangle], {at.weight[0], at.weight[1], at.weight[2]}, (1.0 / distance) * (at.point - p), 0.0};
-    tie.level = dot(tie.normal, p);
-    ties.push_back(tie);
-}
-
-/// What `fill(first, last, ties)` makes of the chunks of 0..count, one after the other.
-template <class Fill> void gather(std::size_t count, const Workers &workers, const Fill &fill, std::vector<Tie> &ties) {
-    constexpr std::size_t kChunk = 256;
-    std::vector<std::vector<Tie>> parts((count + kChunk - 1) / kChunk);
-    workers.for_chunks(count, kChunk,
-                       [&](std::size_t first, std::size_t last) { fill(first, last, parts[first / kChunk]); });
-    for (const auto &part : parts)
-        ties.insert(ties.end(), part.begin(), part.end());
-}
-
 } // namespace
 
 std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference,
                              const Workers &workers) {
-    const auto &data = reference.data();
+    const auto &vertices = reference.data().points;
     const std::vector<std::array<int, 3>> facets = surface_facets(complex);
+    std::vector<std::size_t> first{0}; // tie per facet, then of the vertices
+    for (const auto &f : facets)
+        first.push_back(first.back() + samples_of(f));
+    std::vector<Tie> ties(first.back() + vertices.size()); // a place for each, so that threads can fill them
+    workers.for_each(facets.size(), 256,
+                     [&](std::size_t f) { tie_facet(cloud, reference, facets[f], &ties[first[f]]); });
     const TriangleTree tree(cloud.points, facets);
-    std::vector<Tie> ties;
-    gather(
-        facets.size(), workers,
-        [&](std::size_t first, std::size_t last, std::vector<Tie> &own) {
-            for (std::size_t f = first; f < last; ++f)
-                tie_facet(cloud, reference, facets[f], own);
-        },
-        ties);
-    gather(
-        data.points.size(), workers,
-        [&](std::size_t first, std::size_t last, std::vector<Tie> &own) {
-            int near = -1;
-            for (std::size_t v = first; v < last; ++v) {
-                const auto &patches = reference.patches_at_vertex(static_cast<int>(v));
-                if (!std::all_of(patches.begin(), patches.end(), [&](int p) { return reference.planar(p); }))
-                    tie_vertex(data.points[v], tree, facets, 1e-9 * reference.diagonal(), near, own);
-            }
-        },
-        ties);
+    workers.for_chunks(vertices.size(), 256, [&](std::size_t begin, std::size_t end) {
+        int near = -1;
+        for (std::size_t v = begin; v < end; ++v) {
+            const auto &patches = reference.patches_at_vertex(static_cast<int>(v));
+            if (std::all_of(patches.begin(), patches.end(), [&](int p) { return reference.planar(p); }))
+                continue;
+            const auto at = tree.nearest(vertices[v], near);
+            near = at.triangle;
+            const double distance = std::sqrt(at.square);
+            if (!(distance > 1e-9 * reference.diagonal()))
+                continue;
+            const Vec3 normal = (1.0 / distance) * (at.point - vertices[v]);
+            const std::array weight{at.weight[0], at.weight[1], at.weight[2]};
+            ties[first.back() + v] = {facets[at.triangle], weight, normal, dot(normal, vertices[v])};
+        }
+    });
+    std::erase_if(ties, [](const Tie &tie) { return tie.normal == Vec3{}; });
     return ties;
 }
 
@@ -110,6 +102,7 @@ void fit_heights(Cloud &cloud, const Reference &reference, const std::vector<Tie
         double slope; // of the tie's height when the point rises
     };
     std::vector<double> height;
+    height.reserve(ties.size());
     for (const Tie &tie : ties)
         height.push_back(dot(tie.normal, blend(cloud, tie)) - tie.level);
     std::vector<std::size_t> first(cloud.count() + 1, 0);
