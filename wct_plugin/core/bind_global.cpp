@@ -15,6 +15,10 @@
 #include <optional>
 #include <stdexcept>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace nb = nanobind;
 
 namespace wct {
@@ -164,6 +168,14 @@ nb::object curvature_arrays(const Array &surface_points, const Array &triangles,
     });
 }
 
+/// Hand freed memory back to the system: what comes after a large piece of work needs its room in other pieces, and the
+/// peak would be the sum of both.
+void trim() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
@@ -197,6 +209,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         result = resample(reference, mesh, wanted, form, monitor, workers_of(threads));
         labels = label_surface(result.cloud, result.complex, reference);
     }
+    trim();
     return to_python(result, labels);
 }
 
