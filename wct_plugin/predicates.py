@@ -31,6 +31,16 @@ def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray
     return signs
 
 
+def turned(points: NDArray[np.float64], tets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The tets (m, 4) with the negative ones turned round, and the exact sign (m,) that each had before."""
+    signs = orientation(points, tets)
+    negative = signs < 0
+    if negative.any():
+        tets = tets.copy()
+        tets[negative] = tets[negative][:, [0, 1, 3, 2]]
+    return tets, signs
+
+
 def _orientation_exact(corners: NDArray[np.float64]) -> int:
     x0, x1, x2, x3 = ([Fraction(float(value)) for value in corner] for corner in corners)
     a, b, c = ([p - q for p, q in zip(x, x0, strict=True)] for x in (x1, x2, x3))
