@@ -20,6 +20,10 @@ from wct_plugin.topology import Topology
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+_CHUNK = 1 << 17  # tets looked at together, so that checks take little memory beside the mesh
+#: Odd factors that make one number, modulo 2 ** 64, of a tet's ascending vertices; of the splitmix64 generator.
+_MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 1], dtype=np.uint64)
+
 _KIND = {1: "vertex", 2: "edge", 3: "triangle", 4: "tet"}
 
 
@@ -249,6 +253,8 @@ def _indices(values: ArrayLike, what: str) -> Ints:
 
 
 def _check_range(cells: Ints, count: int) -> None:
+    if not cells.size or (cells.min() >= 0 and cells.max() < count):
+        return
     bad = np.flatnonzero(((cells < 0) | (cells >= count)).any(axis=1))
     if len(bad):
         kind = _KIND[cells.shape[1]]
@@ -259,15 +265,25 @@ def _check_range(cells: Ints, count: int) -> None:
 
 def _check_distinct(tets: Ints) -> None:
     """No vertex twice in a tet and no tet twice; afterwards every tet is a set of four points of its own."""
-    ordered = np.sort(tets, axis=1)
-    bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
-    if len(bad):
-        raise InputError(f"tet {bad[0]} is {show_row(tets[bad[0]])}{and_more(bad)}; its four vertices must differ")
+    keys = np.empty(len(tets), dtype=np.uint64)
+    bad = []
+    for start in range(0, len(tets), _CHUNK):
+        ordered = np.sort(tets[start : start + _CHUNK], axis=1)
+        bad.append(start + np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1)))
+        keys[start : start + _CHUNK] = ordered.astype(np.uint64) @ _MIX
+    repeated = np.concatenate([*bad, np.empty(0, dtype=np.int64)])
+    if len(repeated):
+        raise InputError(
+            f"tet {repeated[0]} is {show_row(tets[repeated[0]])}{and_more(repeated)}; its four vertices must differ"
+        )
+    ascending = np.sort(keys)
+    alike = np.flatnonzero(np.isin(keys, ascending[1:][ascending[1:] == ascending[:-1]]))
+    ordered = np.sort(tets[alike], axis=1)  # equal tets have equal keys, and few others have
     order = np.lexsort(ordered.T[::-1])
     sequel = ordered[order]
     twins = np.flatnonzero((sequel[1:] == sequel[:-1]).all(axis=1))
     if len(twins):
-        first, second = sorted((int(order[twins[0]]), int(order[twins[0] + 1])))
+        first, second = sorted((int(alike[order[twins[0]]]), int(alike[order[twins[0] + 1]])))
         raise InputError(
             f"tet {second} repeats tet {first}, vertices {show_row(tets[first])}{and_more(twins)}; each may occur once"
         )
