@@ -3,9 +3,9 @@
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from html import escape
 from typing import Any
 
+from wct_plugin import page
 from wct_plugin.batch_job import Record
 
 #: Columns of the table; sizes and quality are before → after.
@@ -68,36 +68,10 @@ def to_csv(records: Sequence[Record]) -> str:
 
 def to_html(records: Sequence[Record], title: str) -> str:
     """One page that needs nothing else."""
-    lines = [_line(row(record), RESULTS[record.exit_code]) for record in ordered(records)]
-    head = "".join(f"<th>{escape(name)}</th>" for name in HEAD)
-    failures = "".join(f"<dt>{escape(name)}</dt><dd>{escape(cause)}</dd>" for name, cause in causes(records))
-    return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<style>{_STYLE}</style></head>\n<body><h1>{escape(title)}</h1><p>{escape(headline(records))}</p>\n"
-        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>\n{"".join(lines)}</tbody></table></div>\n'
-        + (f"<h2>Failed</h2><dl>{failures}</dl>" if failures else "")
-        + "</body></html>\n"
-    )
-
-
-def _line(cells: Sequence[str], result: str) -> str:
-    kind = result.replace(" ", "-")
-    return f'<tr class="{kind}">' + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>\n"
-
-
-_STYLE = """
-:root { color-scheme: light dark; --line: #8886; --good: #1a7f37; --fair: #9a6700; --bad: #cf222e; }
-@media (prefers-color-scheme: dark) { :root { --good: #3fb950; --fair: #d29922; --bad: #ff7b72; } }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .25rem .9rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
-th:nth-child(-n+2), td:nth-child(-n+2) { text-align: left; }
-.done td:nth-child(2) { color: var(--good); }
-.goal-missed td:nth-child(2) { color: var(--fair); }
-.failed td:nth-child(2) { color: var(--bad); }
-dd { overflow-wrap: anywhere; margin-left: 1rem; }
-@media (max-width: 42rem) { th, td { padding: .25rem .3rem; white-space: normal; } table { font-size: .8rem; } }
-@media print { body { max-width: none; margin: 0; } .scroll { overflow: visible; } th, td { padding: .1rem .4rem; } }
-"""
+    body = [
+        page.paragraph(headline(records)),
+        page.table("Files", HEAD, [row(record) for record in ordered(records)], words=True),
+    ]
+    if failed := causes(records):
+        body.append(page.section("Failed", page.table("Causes", ("file", "cause"), failed, words=True)))
+    return page.page(title, body)
