@@ -1,9 +1,10 @@
 """What ``wct`` prints: results to stdout; progress, warnings and errors to stderr, errors as one line."""
 
+import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -28,11 +29,26 @@ GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
 
 
 def _width(stream: Any) -> int | None:
-    return None if stream.isatty() else 120  # a pipe has no width of its own; rich would take 80 and cut tables
+    """The width to print at: a terminal's own, or that of COLUMNS; rich would take 80 for a pipe and cut tables."""
+    given = os.environ.get("COLUMNS", "")
+    if given.isdecimal() and int(given) > 0:
+        return int(given)
+    return None if stream.isatty() else 120
 
 
 out = Console(highlight=False, width=_width(sys.stdout))
 err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+
+
+def be_quiet() -> Callable[[], None]:
+    """Print nothing but errors until what this gives is called."""
+    before = out.quiet, err.quiet
+    out.quiet = err.quiet = True
+
+    def talk() -> None:
+        out.quiet, err.quiet = before
+
+    return talk
 
 
 # --- progress and Ctrl-C --------------------------------------------------------------------------------------------
@@ -203,6 +219,7 @@ def print_page(stage: type[Filter[Options]]) -> None:
 
 def fail(message: str) -> int:
     """Print an error as one line and give its exit code."""
+    err.quiet = False
     err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
     return FAILED
 
