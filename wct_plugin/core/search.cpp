@@ -104,6 +104,24 @@ void Search::polish() {
     }
 }
 
+void Search::widen_margins(const SearchProgress &progress) {
+    constexpr double patient = 0.125; // of the patience for tets that miss the goal itself
+    // So many evaluations per tet are margins worth: a few tets short of them would take longer than all the rest.
+    const double worth = std::min(options_.worth, static_cast<double>(options_.kicks));
+    const int before = count_bad(); // on facets that rule the goal out
+    complex_.mark();
+    polish();
+    adopt(margin_form(options_.acute, options_.margin));
+    sweep(1);
+    kick_until_good(progress, "margin", patient, worth);
+    // Several margins may have been bought with a tet that misses the goal.
+    adopt(sharp_form(options_.acute));
+    if (!outcome_.stopped)
+        kick_until_good(progress, "margin", patient, worth);
+    count_bad() > before ? complex_.rollback() : complex_.commit();
+    adopt(margin_form(options_.acute, options_.margin));
+}
+
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase, double patient, double worth) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
@@ -179,20 +197,8 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     adopt(sharp_form(options_.acute));
     const bool good =
         !outcome_.stopped && kick_until_good(progress, "kicks", 1.0, options_.worth) && report("kicks", 1.0);
-    if (good) {
-        polish();
-        adopt(margin_form(options_.acute, options_.margin));
-        sweep(1);
-        constexpr double patient = 0.125; // of the patience for tets that miss the goal itself
-        // So many evaluations per tet are margins worth: a few tets short of them take longer than all the rest.
-        const double worth = std::min(options_.worth, static_cast<double>(options_.kicks));
-        kick_until_good(progress, "margin", patient, worth);
-        // Several margins may have been bought with a tet that misses the goal.
-        adopt(sharp_form(options_.acute));
-        if (!outcome_.stopped)
-            kick_until_good(progress, "kicks", 1.0, options_.worth);
-        adopt(margin_form(options_.acute, options_.margin));
-    }
+    if (good)
+        widen_margins(progress);
     SurfaceBalance(complex_, energy_, guide_, descent_).run();
     adopt(sharp_form(options_.acute));
     outcome_.bad = count_bad();

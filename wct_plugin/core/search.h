@@ -60,6 +60,8 @@ class Search {
     /// options.
     bool kick_until_good(const SearchProgress &progress, const char *phase, double patient, double worth);
     void polish();
+    /// Where all tets meet the goal: more clearance for those that do so narrowly, and none the worse for it.
+    void widen_margins(const SearchProgress &progress);
     double clearance() const;
 
     TetComplex &complex_;
