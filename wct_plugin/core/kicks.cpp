@@ -7,7 +7,7 @@ namespace wct {
 
 namespace {
 constexpr double kLoose = 1.0; // how far beyond the tolerance a kick may go, in tolerances
-/// Shares of the kicks that refine the surface, at a facet beyond the tolerance and elsewhere.
+/// Shares of the kicks that refine the surface, at a facet beyond the tolerance and where nothing else has helped.
 constexpr double kRefineOver = 0.5;
 constexpr double kRefine = 0.25;
 } // namespace
@@ -76,7 +76,7 @@ void Kicks::refine_surface(int t) {
     watch_.loose = 0.0;
 }
 
-void Kicks::shake(int t, const Kick &kick) {
+void Kicks::shake(int t, const Kick &kick, bool stuck) {
     const Tet tet = complex_.tet(t);
     const Vec3 center =
         0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
@@ -93,7 +93,7 @@ void Kicks::shake(int t, const Kick &kick) {
         open_wedges(t);
     if (random_.coin())
         mend_valence(t);
-    if (random_.uniform() < (complex_.over(tet) > 0.0 ? kRefineOver : kRefine))
+    if (random_.uniform() < (complex_.over(tet) > 0.0 ? kRefineOver : stuck ? kRefine : 0.0))
         refine_surface(t);
     for (int k = 0; k < kick.operators; ++k) {
         const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
@@ -155,12 +155,13 @@ bool Kicks::once() {
     const double radius = 3.5 * complex_.vertex(tet[0]).size;
     // Where nothing has helped, the mesh may be too coarse: allow finer edges, and no coarser ones.
     constexpr double finer = 0.65;
-    const double scale = failures >= few && random_.coin() ? finer : 1.0;
+    const bool stuck = failures >= few;
+    const double scale = stuck && random_.coin() ? finer : 1.0;
     operators_.shortest *= scale;
     operators_.longest *= scale;
     complex_.mark();
     const int over = complex_.over_count();
-    shake(t, kick);
+    shake(t, kick, stuck);
     const bool keep = repair(center, radius) && complex_.over_count() <= over;
     operators_.shortest /= scale;
     operators_.longest /= scale;

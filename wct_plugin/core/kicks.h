@@ -40,7 +40,7 @@ class Kicks {
     /// surface a vertex there at any price. Chance seldom finds the facet among those of the neighbourhood, and a
     /// vertex more that is not relaxed yet costs more than the slack of a random operator.
     void refine_surface(int t);
-    void shake(int t, const Kick &kick);
+    void shake(int t, const Kick &kick, bool stuck);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
     /// has been tried before.
     void near_changed(const Vec3 &center, double radius);
