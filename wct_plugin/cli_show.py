@@ -19,6 +19,7 @@ from rich.text import Text
 
 from wct_plugin import files, stage_page
 from wct_plugin.errors import WctWarning
+from wct_plugin.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.report import Report
 from wct_plugin.result import Result
 from wct_plugin.stage import Filter, Options, Progress, ProgressCallback
@@ -107,6 +108,7 @@ def print_report(report: Report) -> None:
     out.print(table("Ranges", ("", "min", "max"), report.rows_ranges()))
     out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
     out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
+    out.print(table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows()))
     out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
     for title, lines in report.text_histograms():
         out.print(Text(title, style="bold"))
