@@ -106,10 +106,10 @@ def duals(mesh: TetMesh, weights: Floats | None = None, coefficient: Floats | No
             per_edge[:, edge] += cotangent * height
             doubt[:, edge] += np.abs(cotangent) * errors[:, facet] + _EPS * (1.0 + cotangent**2) * np.abs(height)
     doubt[np.isnan(doubt)] = np.inf
-    sums, doubts = (np.bincount(edge_of.ravel(), table.ravel(), len(squares)) for table in (per_edge, doubt))
+    sums, doubts = (_summed(edge_of, table, len(squares)) for table in (per_edge, doubt))
     lengths, bounds = (_per_facet(mesh, table) for table in (heights, errors))
     volumes, volume_errors = (
-        np.bincount(topology.edges.ravel(), (each[:, None] * ends).ravel(), len(points))
+        _summed(topology.edges, each[:, None] * ends, len(points))
         for each, ends in ((sums * squares / 12.0, shares), (doubts * squares / 12.0, np.abs(shares)))
     )
     size = np.sqrt(squares) / 4.0
@@ -141,6 +141,12 @@ def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
     raise ValueError(f"k is {k}; a tetrahedral mesh has forms of degree 0, 1, 2 and 3")
 
 
+def shortest_lengths(mesh: TetMesh, lengths: Floats) -> Floats:
+    """(m,) the least of the dual ``lengths`` (f,) of each tet's four facets."""
+    shortest: Floats = lengths[mesh.topology.tet_facets].min(axis=1)
+    return shortest
+
+
 def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     """The tier of a mesh; pass ``of`` where :func:`wct_plugin.quality.measure` has been called already.
 
@@ -165,6 +171,10 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     radii = quality.circumradii(mesh.points, mesh.tets)
     slack = COSPHERICAL * (radii[pairs[:, 0]] + radii[pairs[:, 2]]) / 2.0 + errors[: len(pairs)]
     return Tiers(bool((lengths[: len(pairs)] >= -slack).all()), False, False, False)
+
+
+def _summed(places: NDArray[np.int64], values: Floats, count: int) -> Floats:
+    return np.bincount(places.ravel(), values.ravel(), count).astype(np.float64)
 
 
 def _per_facet(mesh: TetMesh, table: Floats) -> Floats:

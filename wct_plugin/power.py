@@ -35,10 +35,11 @@ def shift_heights(
     points: Floats, tets: Ints, heights: Floats, errors: Floats, weights: Floats
 ) -> tuple[Floats, Floats]:
     """The orthocenters' heights (m, 4) and their bounds from the circumcenters' ``heights`` and ``errors`` (m, 4)."""
-    table, given = slopes(points, tets), weights[tets]
-    given = given - given.mean(axis=1, keepdims=True)  # a constant changes nothing, but would round
-    size = np.einsum("mfi,mi->mf", np.abs(table), np.abs(given))
-    return heights + np.einsum("mfi,mi->mf", table, given), errors + _EPS * size
+    given = weights[tets] - weights[tets].mean(axis=1, keepdims=True)  # a constant changes nothing, but would round
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        table = slopes(points, tets)
+        size = np.einsum("mfi,mi->mf", np.abs(table), np.abs(given))
+        return heights + np.einsum("mfi,mi->mf", table, given), errors + _EPS * size
 
 
 def shift_cotangents(tets: Ints, cotangents: Floats, squares: Floats, weights: Floats) -> Floats:

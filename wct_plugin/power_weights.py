@@ -1,7 +1,7 @@
 """Weights for which every tet contains its orthocenter, by sparse linear programmes: where positions alone fail.
 
-The orthocenter's height over a facet is linear in the weights (:mod:`wct_plugin.power`), and so is the dual length of an
-interior facet, the sum of the two heights over it. All are divided by the tet's root mean square edge length. Two
+The orthocenter's height over a facet is linear in the weights (:mod:`wct_plugin.power`), and so is the dual length of
+an interior facet, the sum of the two heights over it. All are divided by the tet's root mean square edge length. Two
 programmes, both over all rows ``heights + slopes @ weights`` at once:
 
 feasibility: minimise the sum over rows of cost * max(0, CLEARANCE - row). Costs are 1 at first, then lower where a
@@ -9,8 +9,8 @@ feasibility: minimise the sum over rows of cost * max(0, CLEARANCE - row). Costs
 margin: maximise the smallest row of the tets that contain their orthocenter, up to the margin aimed at, then with that
     one kept the sum of all, each counted up to the aim. No row of the other tets gets worse.
 
-HiGHS solves them for a few hundred vertices at a time, all other weights as they are, which is many times faster than at
-once and never makes the objective worse; sweeps with other cuts mend what the cuts between the blocks left.
+HiGHS solves them for a few hundred vertices at a time, all other weights as they are, which is many times faster than
+at once and never makes the objective worse; sweeps with other cuts mend what the cuts between the blocks left.
 """
 
 from collections.abc import Callable, Iterator
@@ -31,8 +31,17 @@ Ints = NDArray[np.int64]
 
 #: Height over local length that counts as inside while weights are sought: above rounding, below anything of use.
 CLEARANCE = 1e-4
+#: A row as high as this has met the clearance; the rest is rounding of the simplex method.
+_MET = 0.99 * CLEARANCE
+#: What HiGHS may miss a row by, ten times.
+_SLACK = 1e-6
+#: How fast a height may grow with a weight, in a tet of size 1: in flatter ones rounding decides what HiGHS finds.
+_STEEPEST = 1e5
 #: Vertices of a block; the time of the simplex method grows faster than their number.
-_BLOCK = 800
+_BLOCK = 600
+_MARGIN_BLOCK = 250
+#: How far from a miss weights are changed to mend it.
+_RINGS = 2
 #: Where each sweep's first cut lies, as a share of the vertices: feasibility, then margin.
 _FEASIBILITY_CUTS = (0.5, 0.3, 0.7, 0.4)
 _MARGIN_CUTS = (0.5, 0.35)
@@ -45,7 +54,8 @@ class PowerWeights:
     """What was found."""
 
     weights: Floats  #: (n,) of the unit of length squared, the smallest one 0
-    heights: Floats  #: (m, 4) the orthocenters' over the facets, over the tet's root mean square edge length
+    #: (m, 4) the orthocenters' over the facets, over the tet's root mean square edge length; NaN in slivers too flat
+    heights: Floats
 
     @property
     def margins(self) -> Floats:
@@ -66,10 +76,18 @@ class _Rows:
         values: Floats = self.constant + self.matrix @ weights
         return values
 
+    def near(self, missed: NDArray[np.bool_]) -> Ints:
+        """The vertices of the rows ``missed`` (r,) and those at most :data:`_RINGS` rows away."""
+        pattern = csr_array((np.ones(self.matrix.nnz), self.matrix.indices, self.matrix.indptr), self.matrix.T.shape)
+        reached = pattern @ missed
+        for _ in range(_RINGS):
+            reached = pattern @ (pattern.T @ reached > 0)
+        return np.flatnonzero(reached)
+
     def contained(self, values: Floats) -> NDArray[np.bool_]:
         """(m,) whether each tet's four rows have at least half the clearance, so that rounding is no matter."""
-        inside: NDArray[np.bool_] = (values[: 4 * self.tets].reshape(-1, 4) > CLEARANCE / 2).all(axis=1)
-        return inside
+        lowest = values[: 4 * self.tets].reshape(-1, 4).min(axis=1)
+        return np.asarray(lowest > CLEARANCE / 2)
 
 
 def power_weights(mesh: TetMesh, aim: float, progress: Callable[[float, int], bool]) -> PowerWeights:
@@ -87,7 +105,8 @@ def power_weights(mesh: TetMesh, aim: float, progress: Callable[[float, int], bo
         seeks_margin = sweep >= len(_FEASIBILITY_CUTS)
         values = rows.at(weights)
         kept = np.append(np.repeat(rows.contained(values), 4), np.zeros(len(values) - 4 * rows.tets, dtype=bool))
-        blocks = list(_blocks(mesh.points, cut))
+        movable = np.arange(len(weights)) if seeks_margin else rows.near(values < _MET)
+        blocks = list(_blocks(mesh.points, movable, cut, _MARGIN_BLOCK if seeks_margin else _BLOCK))
         for count, block in enumerate(blocks):
             bad = int((~rows.contained(values)).sum())
             if not progress((sweep + count / len(blocks)) / total, bad):
@@ -97,7 +116,7 @@ def power_weights(mesh: TetMesh, aim: float, progress: Callable[[float, int], bo
             part, here = part[near], values[near]
             if seeks_margin:
                 step = _widen(part, here, kept[near], aim)
-            elif (here < CLEARANCE).any():
+            elif (here < _MET).any():
                 step = _fewest_misses(part, CLEARANCE - here, cost[near])
             else:
                 continue
@@ -111,8 +130,9 @@ def power_weights(mesh: TetMesh, aim: float, progress: Callable[[float, int], bo
 def _result(mesh: TetMesh, weights: Floats) -> PowerWeights:
     weights = weights - weights.min()
     heights, errors = quality.heights(mesh.points, mesh.tets)
-    shifted, _ = power.shift_heights(mesh.points, mesh.tets, heights, errors, weights)
-    return PowerWeights(weights, shifted / _local_length(mesh)[:, None])
+    shifted, errors = power.shift_heights(mesh.points, mesh.tets, heights, errors, weights)
+    known = np.isfinite(errors)
+    return PowerWeights(weights, np.where(known, shifted, np.nan) / _local_length(mesh)[:, None])
 
 
 def _local_length(mesh: TetMesh) -> Floats:
@@ -126,8 +146,14 @@ def _make_rows(mesh: TetMesh) -> tuple[_Rows, float]:
     """The rows, for weights in multiples of the second value, which keeps their coefficients near 1."""
     count, length = len(mesh.tets), _local_length(mesh)
     unit = float(np.median(length)) ** 2
-    heights = (quality.heights(mesh.points, mesh.tets)[0] / length[:, None]).ravel()
-    slopes = (power.slopes(mesh.points, mesh.tets) * (unit / length)[:, None, None]).ravel()
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        slopes = power.slopes(mesh.points, mesh.tets) * (unit / length)[:, None, None]
+        heights, errors = (of / length[:, None] for of in quality.heights(mesh.points, mesh.tets))
+    # Of a tet that is too flat nothing is asked: rows that are constant and always met.
+    steepness = np.abs(slopes).max(axis=(1, 2)) * length**2 / unit
+    flat: NDArray[np.bool_] = ~((steepness < _STEEPEST) & np.isfinite(errors).all(axis=1))
+    heights[flat], slopes[flat] = 1.0, 0.0
+    heights, slopes = heights.ravel(), slopes.ravel()
     columns = np.repeat(mesh.tets, 4, axis=0).ravel()
     of_tets = csr_array((slopes, columns, np.arange(0, 16 * count + 1, 4)), shape=(4 * count, len(mesh.points)))
     pairs = mesh.topology.interior_pairs
@@ -140,11 +166,11 @@ def _make_rows(mesh: TetMesh) -> tuple[_Rows, float]:
     return _Rows(np.concatenate([heights, both @ heights]), matrix, count), unit
 
 
-def _blocks(points: Floats, cut: float) -> Iterator[Ints]:
-    """The vertices in blocks, cut across where they reach farthest: the first time at ``cut``, then into halves."""
+def _blocks(points: Floats, movable: Ints, cut: float, most: int) -> Iterator[Ints]:
+    """The vertices ``movable`` in blocks, cut across where they reach farthest: first at ``cut``, then into halves."""
 
     def split(part: Ints, share: float) -> Iterator[Ints]:
-        if len(part) <= _BLOCK:
+        if len(part) <= most:
             yield part
             return
         axis = np.argmax(np.ptp(points[part], axis=0))
@@ -153,7 +179,7 @@ def _blocks(points: Floats, cut: float) -> Iterator[Ints]:
         yield from split(part[:middle], 0.5)
         yield from split(part[middle:], 0.5)
 
-    yield from split(np.arange(len(points)), cut)
+    yield from split(movable, cut)
 
 
 def _fewest_misses(matrix: csr_array, needed: Floats, cost: Floats) -> Floats:
@@ -173,14 +199,13 @@ def _widen(matrix: csr_array, values: Floats, kept: NDArray[np.bool_], aim: floa
     right = np.append(np.zeros(matrix.shape[1]), 1.0)
     solution = _solve_dual(cost, system, right, np.array([0.0, np.inf]))[:-1]
     reached = float((values + matrix @ solution)[kept].min())
-    floors = np.where(kept, min(reached, aim), floors)
+    floors = np.where(kept, min(reached, aim), floors) - _SLACK
     # min sum of max(0, aim - row) over the kept rows, each at least at its floor: two dual variables per kept row.
     soft = eye_array(len(values), format="csr")[kept]
     system = hstack([matrix.T, (soft @ matrix).T])
     cost = np.concatenate([values - floors, values[kept] - aim])
     bounds = np.array([[0.0, np.inf]] * len(values) + [[0.0, 1.0]] * int(kept.sum()))
-    solution = _solve_dual(cost, system, np.zeros(matrix.shape[1]), bounds)
-    return solution
+    return _solve_dual(cost, system, np.zeros(matrix.shape[1]), bounds)
 
 
 def _solve_dual(cost: Floats, system: csr_array, right: Floats, bounds: Floats) -> Floats:

@@ -15,10 +15,9 @@ Ints = NDArray[np.int64]
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 #: The six edges of a tet.
 EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
-_PAIRS = [(int(p), int(q)) for p, q in EDGES]
 #: (12,) row of :data:`EDGES` for the edge of facet i opposite its corner ``FACETS[i, k]``, at 3 i + k.
 OPPOSITE_EDGES = np.array(
-    [_PAIRS.index(tuple(sorted(int(x) for x in facet if x != v))) for facet in FACETS for v in facet]
+    [EDGES.tolist().index(sorted(facet[facet != corner].tolist())) for facet in FACETS for corner in facet]
 )
 
 
