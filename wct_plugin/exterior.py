@@ -40,6 +40,6 @@ def exterior_derivative(mesh: TetMesh, k: int) -> csr_array:
 
 def _matrix(columns: Ints, signs: Ints, width: int) -> csr_array:
     starts = np.arange(0, columns.size + 1, columns.shape[1])
-    made = csr_array((signs.ravel().astype(np.float64), columns.ravel(), starts), shape=(len(columns), width))
-    made.sort_indices()
+    made = csr_array((signs.ravel().astype(np.float64), columns.flatten(), starts), shape=(len(columns), width))
+    made.sort_indices()  # in place, in a copy: the columns are the topology's own
     return made
