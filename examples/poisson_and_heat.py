@@ -6,6 +6,8 @@ colder than anything was: the maximum principle is lost. Where every tet contain
 solution of Poisson's equation is of second order. Run it: ``python examples/poisson_and_heat.py``.
 """
 
+from collections.abc import Callable
+
 import gmsh
 import numpy as np
 from scipy.sparse import diags_array
@@ -21,9 +23,14 @@ SIZES = (0.2, 0.14, 0.1)
 
 def cube(size: float) -> wct.TetMesh:
     """The unit cube as gmsh fills it with edges of about ``size``."""
+    return from_gmsh(lambda: gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1), size)
+
+
+def from_gmsh(draw: Callable[[], object], size: float) -> wct.TetMesh:
+    """What gmsh makes of the solid that ``draw`` adds to its model."""
     gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    draw()
     gmsh.model.occ.synchronize()
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.model.mesh.generate(3)
@@ -71,7 +78,8 @@ def main() -> float:
     """Give the order of the error in the mesh size on the well-centered meshes."""
     meshes = [cube(size) for size in SIZES]
     better = [wct.apply_filter("meshing_well_centered", mesh, goal="3wc")[0] for mesh in meshes]
-    negative = [int((hodge_star(mesh, 1) < 0).sum()) for mesh in (meshes[-1], better[-1])]
+    duals_of = [duals(mesh) for mesh in (meshes[-1], better[-1])]
+    negative = [int((of.areas < -of.area_errors).sum()) for of in duals_of]
     lowest = [coldest(mesh) for mesh in (meshes[-1], better[-1])]
     sizes = [len(mesh.tets) ** (-1 / 3) for mesh in better]
     errors = [poisson_error(mesh) for mesh in better]

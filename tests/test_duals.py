@@ -138,7 +138,7 @@ def test_regions_do_not_matter_to_the_tier():
 
 
 def test_delaunay_with_positive_boundary_makes_all_duals_positive():
-    """The theorem behind the one-sided tier, on meshes that have it and are not well-centered."""
+    """The theorem behind the one-sided tier, on meshes that have it, no obtuse boundary, and are not well-centered."""
     found = 0
     for seed in range(6):
         mesh = jittered_cube(4, seed=seed, amount=0.1)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from builders import bcc, jittered_cube, kuhn_cube, rotation, shaken_cube
+from builders import bcc, kuhn_cube, rotation, shaken_cube, single
 from flags import signed_duals
 
-from wct_plugin.duals import duals
+from wct_plugin.duals import duals, tiers
 from wct_plugin.mesh import TetMesh
 from wct_plugin.negative_duals import CELLS, HEAD, negative_duals
 
@@ -42,9 +42,18 @@ def test_zero_is_neither_sign(turn):
     assert found.boundary[2].count + found.interior[2].count == facets == through_cubes + 2 * 54 + border
 
 
-def test_none_where_all_tets_contain_their_circumcenter():
-    for mesh in (bcc(3), jittered_cube(3)):
-        found = negative_duals(mesh, duals(mesh))
-        assert (found.interior[0].count, found.boundary[0].count) == tuple(np.bincount(mesh.topology.boundary_points))
+def test_none_where_all_tets_are_completely_well_centered():
     found = negative_duals(bcc(3), duals(bcc(3)))
-    assert [one.negative + one.zero for one in found.interior + found.boundary] == [0] * 6
+    assert found.none
+    assert (found.interior[0].count, found.boundary[0].count) == tuple(np.bincount(bcc(3).topology.boundary_points))
+    assert not negative_duals(kuhn_cube(2), duals(kuhn_cube(2))).none
+
+
+def test_3wc_is_not_enough_at_an_obtuse_boundary_triangle():
+    """Inside all duals are positive then; on the boundary they are only where its triangles are acute."""
+    obtuse = single([[-0.88, 0.42, -0.22], [-0.51, 0.74, -0.45], [-0.06, 0.97, -0.23], [0.67, -0.67, 0.32]])
+    assert tiers(obtuse).name == "3WC"
+    found = negative_duals(obtuse, duals(obtuse))
+    assert [one.negative for one in found.boundary] == [sum(v < 0 for v in of.values()) for of in signed_duals(obtuse)]
+    assert (found.none, found.boundary[1].negative, found.boundary[2].negative) == (False, 2, 0)
+    assert duals(obtuse).areas.min() == pytest.approx(-0.129, abs=1e-3)

@@ -6,8 +6,11 @@ a facet, l an edge of that facet and gamma the facet's angle opposite the edge, 
 l cot(gamma) / 2 from the edge, so the orthoscheme at either end of the edge has volume l^2 cot(gamma) h / 24 and its
 dual face area l cot(gamma) h / 4.
 
-Signs as in Hirani, Kalyanaraman and VanderZee, "Delaunay Hodge star", Computer-Aided Design 45 (2013): in a mesh that
-is pairwise Delaunay, and one-sided at its boundary, all signed duals are positive.
+Signs as in Hirani, Kalyanaraman and VanderZee, "Delaunay Hodge star", Computer-Aided Design 45 (2013). In a mesh that
+is pairwise Delaunay, and one-sided at its boundary, the dual of every interior vertex, edge and facet is a convex cell
+with positive measure, and so are those on the boundary if its triangles are acute. If one is obtuse, its circumcenter
+lies beyond the longest edge, and the dual area of that edge may be negative even where all tets contain theirs: the
+tet (-0.88, 0.42, -0.22), (-0.51, 0.74, -0.45), (-0.06, 0.97, -0.23), (0.67, -0.67, 0.32) has one of -0.129.
 """
 
 from dataclasses import dataclass
@@ -51,7 +54,7 @@ class Tiers:
     """How far up the ladder a mesh is; every step implies those below it."""
 
     delaunay: bool  #: no vertex inside the circumsphere of a facet's two tets; cospherical ties count as Delaunay
-    one_sided: bool  #: every signed dual length, area and volume strictly positive; cospherical ties fail this
+    one_sided: bool  #: every signed dual length strictly positive, also at the boundary; cospherical ties fail this
     well_centered_3: bool  #: every tet contains its circumcenter
     completely_well_centered: bool  #: and every triangle is acute
 
@@ -155,8 +158,9 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     cospherical points, for which the sum is exactly zero (a Cartesian grid, also one that was rotated and rounded),
     count as Delaunay. They have a dual edge of length zero and so are never one-sided.
 
-    One-sided: every dual length, the boundary's included, exceeds its rounding error, and all dual areas and volumes
-    are positive. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the mesh one-sided.
+    One-sided: every dual length, the boundary's included, exceeds its rounding error; all duals inside are positive
+    then, see the top of this module. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the
+    mesh one-sided, CWC all duals of it positive. :mod:`wct_plugin.negative_duals` counts those that are not.
     """
     of = quality.measure(mesh) if of is None else of
     well_centered_3 = bool(of.well_centered_3.all())
@@ -165,8 +169,7 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
         return Tiers(True, True, True, completely)
     lengths, errors = dual_lengths(mesh)
     if (lengths > errors).all():
-        dual = duals(mesh)
-        return Tiers(True, bool((dual.areas > 0.0).all() and (dual.volumes > 0.0).all()), False, False)
+        return Tiers(True, True, False, False)
     pairs = mesh.topology.interior_pairs
     radii = quality.circumradii(mesh.points, mesh.tets)
     slack = COSPHERICAL * (radii[pairs[:, 0]] + radii[pairs[:, 2]]) / 2.0 + errors[: len(pairs)]

@@ -32,6 +32,11 @@ class NegativeDuals:
     interior: tuple[Signs, ...]
     boundary: tuple[Signs, ...]  #: vertices, edges and facets on the boundary
 
+    @property
+    def none(self) -> bool:
+        """Whether every dual is positive, beyond its rounding error."""
+        return not any(one.negative or one.zero for one in self.interior + self.boundary)
+
     def to_dict(self) -> dict[str, dict[str, dict[str, int]]]:
         """Plain numbers by degree, ``star0`` to ``star2``, and place."""
         places: Mapping[str, tuple[Signs, ...]] = {"interior": self.interior, "boundary": self.boundary}

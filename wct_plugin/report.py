@@ -33,7 +33,7 @@ _FLAGS = {"3wc": "3WC", "2wc": "2WC", "cwc": "CWC", "acute": "Acute"}
 _TIER_NOTES = (
     "every volume positive",
     "no vertex inside a neighbour's circumsphere",
-    "every signed dual volume positive",
+    "every dual edge positive, hence all duals inside",
     "every tet contains its circumcenter",
     "and every triangle acute",
 )
