@@ -129,6 +129,8 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
 
     beside("Summary", [one.rows_summary() for one in reports])
     beside("Tiers", [one.rows_tiers() for one in reports])
+    for k, where in ((1, "inside"), (2, "on the boundary")):
+        beside(f"Negative duals {where}", [[(r[0], r[k]) for r in one.negative_duals.rows()] for one in reports])
     for k, kind in ((2, "not 3WC"), (3, "not CWC")):
         beside(f"Where the tets are that are {kind}", [[(r[0], r[k]) for r in one.rows_places()] for one in reports])
     share = out.width // len(reports)
