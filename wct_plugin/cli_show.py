@@ -20,6 +20,7 @@ from rich.text import Text
 
 from wct_plugin import certificate, files, stage_page
 from wct_plugin.errors import WctWarning
+from wct_plugin.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.report import Report, short_names
 from wct_plugin.report_text import text_histograms
 from wct_plugin.result import Result
@@ -124,6 +125,7 @@ def print_report(report: Report) -> None:
     out.print(table("Ranges", ("", "min", "max"), report.rows_ranges()))
     out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
     out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
+    out.print(table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows()))
     out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
     _print_histograms([report], "", 40)
     if report.worst:
@@ -143,6 +145,8 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
 
     beside("Summary", [one.rows_summary() for one in reports])
     beside("Tiers", [one.rows_tiers() for one in reports])
+    for k, where in ((1, "inside"), (2, "on the boundary")):
+        beside(f"Negative duals {where}", [[(r[0], r[k]) for r in one.negative_duals.rows()] for one in reports])
     for k, kind in ((2, "not 3WC"), (3, "not CWC")):
         beside(f"Where the tets are that are {kind}", [[(r[0], r[k]) for r in one.rows_places()] for one in reports])
     share = out.width // len(reports)
