@@ -1,12 +1,14 @@
-"""Exact signs in NumPy: a floating-point filter for the many, rational arithmetic for the few it cannot decide."""
+"""The polynomials whose signs say what a mesh is like, for :mod:`wct_plugin.signs`; and the orientation of tets.
 
-from fractions import Fraction
+Each takes the edges from the first point of a cell to its other points and gives a tuple of values.
+"""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-#: Shewchuk 1997, "Adaptive precision floating-point arithmetic", error bound A of orient3d: (7 + 56 eps) eps.
-_ORIENT_BOUND = (7.0 + 56.0 * 2.0**-53) * 2.0**-53
+from wct_plugin.signs import Vector, signs
 
 
 def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -14,25 +16,72 @@ def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray
 
     ``points`` (n, 3) finite, ``tets`` (m, 4); returns (m,).
     """
-    # Rounded differences carry an error the filter's bound accounts for; overflow leaves NaN, which it never accepts.
-    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        a, b, c = ((points[tets[:, i]] - points[tets[:, 0]]).T for i in (1, 2, 3))
-        terms = [(b[1], c[2], a[0]), (b[2], c[0], a[1]), (b[0], c[1], a[2])]
-        minus = [(b[2], c[1], a[0]), (b[0], c[2], a[1]), (b[1], c[0], a[2])]
-        det = sum((p * q - r * s) * t for (p, q, t), (r, s, _) in zip(terms, minus, strict=True))
-        size = sum(
-            (np.abs(p * q) + np.abs(r * s)) * np.abs(t) for (p, q, t), (r, s, _) in zip(terms, minus, strict=True)
-        )
-        lost = 1e-300 * (1.0 + np.abs(a).sum(axis=0))  # what underflow may lose in the products, magnified by an edge
-        sure = np.abs(det) > _ORIENT_BOUND * size + lost
-    signs = np.sign(np.where(sure, det, 0.0)).astype(np.int64)
-    for index in np.flatnonzero(~sure):
-        signs[index] = _orientation_exact(points[tets[index]])
-    return signs
+    return signs(volume, points, tets).values[:, 0].astype(np.int64)
 
 
-def _orientation_exact(corners: NDArray[np.float64]) -> int:
-    x0, x1, x2, x3 = ([Fraction(float(value)) for value in corner] for corner in corners)
-    a, b, c = ([p - q for p, q in zip(x, x0, strict=True)] for x in (x1, x2, x3))
-    det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    return (det > 0) - (det < 0)
+def volume(u: Vector, v: Vector, w: Vector) -> tuple[Any]:
+    """Six times the signed volume of a tet."""
+    return (_dot(u, _cross(v, w)),)
+
+
+def circumcenter(u: Vector, v: Vector, w: Vector) -> tuple[Any, Any, Any, Any]:
+    """Barycentric coordinates of a tet's circumcenter, times 72 times the square of its volume, which is their sum.
+
+    With N1 = v x w, N2 = w x u, N3 = u x v the inward normals, det = u . N1 and Q = |u|^2 N1 + |v|^2 N2 + |w|^2 N3, the
+    circumcenter is x0 + Q / (2 det) and its coordinates are N_i . Q / (2 det^2).
+    """
+    normals = _cross(v, w), _cross(w, u), _cross(u, v)
+    q = _add(_add(_scale(_dot(u, u), normals[0]), _scale(_dot(v, v), normals[1])), _scale(_dot(w, w), normals[2]))
+    det = _dot(u, normals[0])
+    square = det * det
+    p1, p2, p3 = (_dot(normal, q) for normal in normals)
+    return (square + square) - (p1 + p2 + p3), p1, p2, p3
+
+
+def circumsphere(u: Vector, v: Vector, w: Vector, t: Vector) -> tuple[Any]:
+    """Power of a fifth point with respect to a positive tet's circumsphere, times det: positive outside."""
+    normals = _cross(v, w), _cross(w, u), _cross(u, v)
+    q = _add(_add(_scale(_dot(u, u), normals[0]), _scale(_dot(v, v), normals[1])), _scale(_dot(w, w), normals[2]))
+    return (_dot(t, t) * _dot(u, normals[0]) - _dot(t, q),)
+
+
+def corners(u: Vector, v: Vector) -> tuple[Any, Any, Any]:
+    """For each corner of a triangle the dot product of its two edges there: positive where the angle is acute."""
+    uv = _dot(u, v)
+    return uv, _dot(u, u) - uv, _dot(v, v) - uv
+
+
+def normal(u: Vector, v: Vector) -> Vector:
+    """Normal of a triangle, twice as long as its area is large."""
+    return _cross(u, v)
+
+
+def fold(u: Vector, v: Vector, w: Vector) -> tuple[Any]:
+    """Dot product of the normals of triangles (0, 1, 2) and (0, 1, 3): negative where 2 and 3 lie to either side."""
+    return (_dot(_cross(u, v), _cross(u, w)),)
+
+
+def beyond_edge(u: Vector, v: Vector, t: Vector) -> tuple[Any]:
+    """Positive where point 3 is beyond edge (0, 1) of triangle (0, 1, 2): past the plane that stands upright on it."""
+    return (_dot(_cross(u, _cross(u, v)), t),)
+
+
+def middle_above(v: Vector, w: Vector, a: Vector, b: Vector, c: Vector) -> tuple[Any]:
+    """Volume of the tet with base (0, 1, 2) and the point (2 a + b + c) / 4 inside triangle (3, 4, 5), times 24."""
+    return (_dot(_add(_add(a, a), _add(b, c)), _cross(v, w)),)
+
+
+def _cross(v: Vector, w: Vector) -> Vector:
+    return v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]
+
+
+def _dot(v: Vector, w: Vector) -> Any:
+    return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
+
+
+def _add(v: Vector, w: Vector) -> Vector:
+    return v[0] + w[0], v[1] + w[1], v[2] + w[2]
+
+
+def _scale(factor: Any, v: Vector) -> Vector:
+    return factor * v[0], factor * v[1], factor * v[2]
