@@ -8,28 +8,36 @@ and counts if these pass in rational arithmetic.
 
 Run it: ``python examples/cube_search.py --goal cwc --fewer-than 84 --chains 1000 --state cwc.json``, and again to go
 on, also after it was killed. The same options and seed find the same. Findings are lines of JSON in
-``cwc.found.jsonl``. ``--start found.jsonl`` starts from cubes instead of from nothing.
+``cwc.found.jsonl``, the nearest failures of each count of tets are under "closest" in ``cwc.json``. The first chains
+start from rough sketches of the smallest cubes known; ``--start found.jsonl`` starts from others.
 """
 
 import argparse
 import json
 import os
-from dataclasses import dataclass
+import sys
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from cubes.descent import Goal, descend, tetrahedralization
+from cubes.known import sketches
 from cubes.moves import changed, layered_arrangement, random_arrangement
 from cubes.obstructions import obstructions
 from cubes.polish import polished
 from cubes.symmetry import Arrangement, Floats, Ints, subgroups
 
+from wct_plugin.certificate import certify
+from wct_plugin.mesh import TetMesh
+
 PATIENCE = 60  # changes without gain before a chain ends
+STARTS = 12  # new arrangements of which a chain takes the best
 LARGEST_GROUP = 8
 MOST_POINTS = {"cwc": 60, "3wc": 36}
 PROMISING = {"cwc": 0.2, "3wc": 0.03}  # energy from which polishing is worth its while
 PER_TET, PER_OBSTRUCTION = 0.008, 0.05  # what a tet too many costs, and a place known to be impossible
+STATE = ("aim", "target", "chains", "archive", "dead_ends", "closest", "found")
 
 
 @dataclass(frozen=True)
@@ -52,6 +60,11 @@ class Tried:
         return f"{self.arrangement.group}/{self.count}"
 
 
+def _name(energy: float, tets: Ints) -> str:
+    """What tells one end of descents from another."""
+    return f"{len(tets)} {energy:.2e}"
+
+
 class Search:
     """The state of a search: what it is for, the chains done, the best of each kind, and the findings."""
 
@@ -61,17 +74,17 @@ class Search:
         self.target = fewer_than
         self.chains = 0
         self.archive: dict[str, dict[str, Any]] = {}
+        self.dead_ends: dict[str, float] = {}
+        self.closest: dict[str, dict[str, Any]] = {}
         self.found: list[dict[str, Any]] = []
 
     def chain(self) -> None:
         """One chain from a new arrangement or a kept one, until it stalls."""
         rng = np.random.default_rng([self.aim["seed"], self.chains])
         self.chains += 1
-        now = self._descended(self._beginning(rng))
-        if now is None:
-            return
-        best, idle = now, 0
-        self._keep(now, rng)
+        now = self._beginning(rng)
+        now = best = self._kept(now)
+        idle = 0
         while idle < PATIENCE:
             idle += 1
             arrangement = changed(rng, now.arrangement)
@@ -80,7 +93,7 @@ class Search:
             tried = self._descended(arrangement, below=2.5 * self._score(now) + 0.05)
             if tried is None:
                 continue
-            self._keep(tried, rng)
+            tried = self._kept(tried)
             if self._score(tried) < self._score(now) * (1 + 0.06 * rng.exponential()) + 0.0005:
                 now = tried
             if self._score(tried) < self._score(best) - 1e-5:
@@ -94,7 +107,8 @@ class Search:
     def _cost(self, energy: float, count: int, obstructed: int) -> float:
         return energy + PER_TET * max(0, count - self.target + 1) + PER_OBSTRUCTION * obstructed
 
-    def _beginning(self, rng: np.random.Generator) -> Arrangement:
+    def _beginning(self, rng: np.random.Generator) -> Tried:
+        """A kept arrangement, sooner one of low cost, with its symmetry or without; or the best of some new ones."""
         kept = sorted(
             (self._cost(one["energy"], int(cell.split("/")[1]), one["obstructed"]), cell)
             for cell, one in self.archive.items()
@@ -103,12 +117,21 @@ class Search:
             rank = min(int(rng.exponential(0.12 * len(kept))), len(kept) - 1)
             cell = kept[rank][1]
             arrangement = Arrangement(int(cell.split("/")[0]), np.array(self.archive[cell]["seats"]))
-            return arrangement.released() if rng.random() < 0.15 else arrangement
+            tried = self._descended(arrangement.released() if rng.random() < 0.15 else arrangement)
+            if tried is not None:
+                return tried
+        new: list[Tried] = []
         sizes = np.array([len(group) for group in subgroups()])
         group = int(rng.choice(np.flatnonzero(sizes <= LARGEST_GROUP)))
-        if self.goal == "cwc" and rng.random() < 0.8:
-            return layered_arrangement(rng, group, int(rng.integers(1, 8)))
-        return random_arrangement(rng, group, int(rng.integers(12, MOST_POINTS[self.goal])))
+        while len(new) < STARTS:
+            if self.goal == "cwc" and rng.random() < 0.8:
+                arrangement = layered_arrangement(rng, group, int(rng.integers(1, 8)))
+            else:
+                arrangement = random_arrangement(rng, group, int(rng.integers(12, MOST_POINTS[self.goal])))
+            tried = self._descended(arrangement)
+            if tried is not None:
+                new.append(tried)
+        return min(new, key=self._score)
 
     def _descended(self, arrangement: Arrangement, below: float = np.inf) -> Tried | None:
         """After descent; None where points met, or left the face or edge of the cube they were on, or far above."""
@@ -127,20 +150,30 @@ class Search:
         tets, obstructed = tetrahedralization(points)
         if self.goal == "cwc" and energy < 1:
             obstructed += obstructions(points, tets)
+        if _name(energy, tets) in self.dead_ends:
+            obstructed += 1
         return Tried(arrangement, tets, energy, obstructed)
 
-    def _keep(self, tried: Tried, rng: np.random.Generator) -> None:
-        """In the archive, if it is the best of its group and count; polish it if it is near a find."""
-        score, kept = self._score(tried), self.archive.get(tried.cell)
-        if kept is not None and score > 0.98 * self._cost(kept["energy"], tried.count, kept["obstructed"]):
-            return
-        entry = {"energy": tried.energy, "obstructed": tried.obstructed, "seats": tried.arrangement.seats.tolist()}
-        self.archive[tried.cell] = entry
+    def _kept(self, tried: Tried) -> Tried:
+        """Keep it if it is the best of its group and count, and polish it if it is near a find; what is known then."""
+        kept = self.archive.get(tried.cell)
+        if kept and self._score(tried) > 0.98 * self._cost(kept["energy"], tried.count, kept["obstructed"]):
+            return tried
         if tried.count < self.target + 3 and tried.obstructed == 0 and tried.energy < PROMISING[self.goal]:
             points, tets, least = polished(tried.arrangement.points(), self.goal)
-            entry |= {"margin": least, "polished_tets": len(tets), "polished": points.tolist()}
-            if least >= self.aim["margin"] and len(tets) < self.target:
+            if least > self.closest.get(str(len(tets)), {"margin": -1.0})["margin"]:
+                self.closest[str(len(tets))] = {"margin": least, "points": (points + 0.5).tolist()}
+            if least < self.aim["margin"]:
+                tried = replace(tried, obstructed=1)
+                self.dead_ends[_name(tried.energy, tried.tets)] = least
+            elif len(tets) < self.target:
                 self._publish(points, tets, least)
+        self.archive[tried.cell] = {
+            "energy": tried.energy,
+            "obstructed": tried.obstructed,
+            "seats": tried.arrangement.seats.tolist(),
+        }
+        return tried
 
     def _publish(self, points: Floats, tets: Ints, least: float) -> None:
         """A finding, if its decimals pass exactly."""
@@ -153,26 +186,17 @@ class Search:
                 self.target = len(tets)
                 return
 
-    def nearest(self) -> dict[int, float]:
-        """The largest margin reached so far for each count of tets polished."""
-        best: dict[int, float] = {}
-        for entry in self.archive.values():
-            if "margin" in entry:
-                count = entry["polished_tets"]
-                best[count] = max(entry["margin"], best.get(count, -np.inf))
-        return dict(sorted(best.items()))
-
-    def add(self, points: Floats, rng: np.random.Generator) -> None:
+    def add(self, points: Floats) -> None:
         """Start from a cube of unit size with a corner at the origin."""
         seats = points - 0.5
         seats[np.abs(np.abs(seats) - 0.5) < 1e-9] = np.sign(seats[np.abs(np.abs(seats) - 0.5) < 1e-9]) * 0.5
         tried = self._descended(Arrangement(0, seats[(np.abs(seats) == 0.5).sum(1) < 3]))
         if tried is not None:
-            self._keep(tried, rng)
+            self._kept(tried)
 
     def save(self, path: Path) -> None:
         """State and findings, each written whole or not at all."""
-        state = {name: getattr(self, name) for name in ("aim", "target", "chains", "archive", "found")}
+        state = {name: getattr(self, name) for name in STATE}
         lines = "".join(json.dumps(find) + "\n" for find in self.found)
         for target, text in ((path.with_suffix(".found.jsonl"), lines), (path, json.dumps(state))):
             scratch = target.with_name(target.name + ".part")
@@ -184,43 +208,59 @@ class Search:
         state = json.loads(path.read_text())
         if state["aim"] != self.aim:
             raise SystemExit(f"{path} is of a search for {state['aim']}, not for {self.aim}")
-        for name in ("target", "chains", "archive", "found"):
+        for name in STATE:
             setattr(self, name, state[name])
 
 
-def certified(points: Floats, tets: Ints, goal: str, decimals: int) -> bool:
-    from cubes_exact import certified as exact
-    size = 10**decimals
-    return exact(np.round(points * size).astype(int), tets, size, goal)
+def certified(points: Floats, tets: Ints, goal: Goal, decimals: int) -> bool:
+    """Whether tets of a cube with these decimals are proven to meet the goal and to fill it, in rational arithmetic.
+
+    The coordinates are scaled to integers, which floating point holds exactly.
+    """
+    side = 10**decimals
+    whole = np.rint(points * side)
+    x = whole.astype(object)[tets]
+    a, b, c = (x[:, i] - x[:, 0] for i in (1, 2, 3))
+    sixfold = sum(a[:, i] * (b[:, i - 2] * c[:, i - 1] - b[:, i - 1] * c[:, i - 2]) for i in range(3))
+    fills = min(sixfold) > 0 and sum(sixfold) == 6 * side**3 and whole.min() == 0 and whole.max() == side
+    return bool(fills and certify(TetMesh(whole, tets)).meets(goal))
 
 
 def main(arguments: list[str] | None = None) -> Search:
-    """Search, and print what was found and what came nearest."""
+    """Search, and print what was found and what came nearest; by default find the 30 tets again from their sketch."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--goal", choices=("cwc", "3wc"), default="3wc")
-    parser.add_argument("--fewer-than", type=int, default=70, help="tets; after a finding, fewer than it has")
+    parser.add_argument("--fewer-than", type=int, default=31, help="tets; after a finding, than it has")
     parser.add_argument("--margin", type=float, default=1e-4, help="least h/R, and for cwc cosine, of a finding")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--chains", type=int, default=3, help="how many more chains")
+    parser.add_argument("--chains", type=int, default=1, help="how many more chains")
     parser.add_argument("--state", type=Path, help="file to go on from, and to write after every chain")
-    parser.add_argument("--start", type=Path, nargs="*", default=[], help="lines of JSON with points of unit cubes")
+    parser.add_argument("--start", type=Path, nargs="*", help="lines of JSON with points of unit cubes")
     given = parser.parse_args(arguments)
     search = Search(given.goal, given.fewer_than, given.margin, given.seed)
     if given.state and given.state.exists():
         search.resume(given.state)
     else:
-        for path in given.start:
-            for line in path.read_text().splitlines():
-                search.add(np.array(json.loads(line)["points"]), np.random.default_rng(given.seed))
-    for _ in range(given.chains):
-        search.chain()
+        lines = [line for path in given.start or [] for line in path.read_text().splitlines()]
+        for points in [np.array(json.loads(line)["points"]) for line in lines] or sketches(given.goal):
+            search.add(points)
+    for remaining in range(given.chains, -1, -1):
         if given.state:
             search.save(given.state)
-    near = ", ".join(f"{count}: {margin:.1e}" for count, margin in search.nearest().items())
+        if remaining:
+            search.chain()
+    counts = sorted(search.closest, key=int)
+    near = ", ".join(f"{count}: {search.closest[count]['margin']:.1e}" for count in counts)
     finds = [f"{find['count']} (margin {find['margin']:.4f})" for find in search.found] or ["none"]
+    for find in search.found:
+        assert certified(np.array(find["points"]), np.array(find["tets"]), search.goal, find["decimals"])
+        assert len(find["tets"]) == find["count"] < given.fewer_than
     print(f"{search.chains} chains for {given.goal}; found {', '.join(finds)}; best margins by tets {near}")
     return search
 
 
 if __name__ == "__main__":
-    main()
+    if len(sys.argv) > 1:
+        main()
+    else:
+        assert main().found[0]["count"] == 30

@@ -41,12 +41,15 @@ class Energy:
         self.pinned = np.abs(self.rest) == 0.5
 
     def __call__(self, parameters: Floats) -> tuple[float, Floats]:
-        """Energy and gradient; infinite where a point leaves its face, its edge or the cube."""
+        """Energy and gradient; infinite where points meet, and where one leaves its face, its edge or the cube."""
         moved = self.rest + self.flat_map @ parameters
         if (np.abs(moved[~self.pinned]) > 0.495).any():
             return np.inf, parameters
         points = moved.reshape(-1, 3)
-        tets, _ = _core.delaunay(points)
+        try:
+            tets, _ = _core.delaunay(points)
+        except ValueError:  # two of them coincide
+            return np.inf, parameters
         energies, gradient = _core.tet_energy(
             points, tets, margin3=MARGIN, power3=2.0, margin2=MARGIN, power2=2.0, weight2=self.weight2, weight_quality=0
         )

@@ -4,6 +4,7 @@ import numpy as np
 
 from cubes.symmetry import CORNERS, Arrangement, Floats, operations, seated, subgroups
 
+KINDS = {"shake": 0.3, "reseat": 0.12, "drop": 0.14, "merge": 0.12, "add": 0.12, "replace": 0.1, "restratify": 0.1}
 APART = 0.13  # new points keep this distance from the others, less where there is no room
 
 
@@ -56,14 +57,14 @@ def _layout(marks: list[bool]) -> list[tuple[float, float]]:
 
     The sides in turn: bottom, right, top, left. Fewest known points; sides that do not allow acute angles get four.
     """
-    points = {
+    points: dict[tuple[bool, ...], list[tuple[float, float]]] = {
         (True, False, True, False): [(0.3, 0.5), (0.7, 0.5)],
         (True, True, False, False): [(0.33, 0.4), (0.7, 0.3), (0.6, 0.67)],
         (True, True, True, False): [(0.7, 0.7), (0.7, 0.3), (0.32, 0.5)],
         (True, True, True, True): [(0.295, 0.295), (0.65, 0.35), (0.705, 0.705), (0.35, 0.65)],
     }
     for turns in range(4):
-        if found := points.get(tuple(marks)):  # type: ignore[call-overload]
+        if found := points.get(tuple(marks)):
             for _ in range(turns):
                 found = [(1 - y, x) for x, y in found]
             return found
@@ -116,6 +117,27 @@ def _without_one(rng: np.random.Generator, seats: list[Floats]) -> int:
     return levels[i]
 
 
+def _merged(rng: np.random.Generator, seats: list[Floats], group: int) -> bool:
+    """Put one orbit in the place of two near each other: between them, on the planes of either, both or the common."""
+    if len(seats) < 2:
+        return False
+    first = seats.pop(int(rng.integers(len(seats))))
+    images = np.array(seats) @ operations()[list(subgroups()[group])].transpose(0, 2, 1)
+    gaps = np.linalg.norm(images - first, axis=2).min(0)
+    which = int(rng.choice(np.argsort(gaps)[:4]))
+    second = images[np.linalg.norm(images[:, which] - first, axis=1).argmin(), which]
+    seats.pop(which)
+    on = np.abs(first) == 0.5, np.abs(second) == 0.5
+    planes = (on[0], on[1], on[0] | on[1], on[0] & on[1])[int(rng.integers(4))]
+    middle = (first + second) / 2
+    inside = np.where(np.abs(middle) == 0.5, 0.9 * middle, middle)
+    point = seated(group, np.where(planes, np.where(on[0], first, second), inside), reach=0.1)
+    if (np.abs(point) == 0.5).all() or _distance(seats, group, point) < 0.05:
+        return False
+    seats.append(point)
+    return True
+
+
 def _restratified(rng: np.random.Generator, seats: list[Floats], group: int) -> bool:
     """Push an orbit onto the nearest plane of the cube, or pull it off one."""
     if not seats:
@@ -143,11 +165,14 @@ def _shaken(rng: np.random.Generator, arrangement: Arrangement, size: float, sha
 
 
 def changed(rng: np.random.Generator, arrangement: Arrangement) -> Arrangement | None:
-    """A random neighbour: points shaken, or an orbit moved, added, dropped, or lifted off a face or pressed onto one."""
-    kind = rng.choice(["shake", "reseat", "drop", "add", "replace", "restratify"], p=[0.36, 0.12, 0.18, 0.14, 0.1, 0.1])
+    """A random neighbour: points shaken, or an orbit moved, added, dropped, merged, pressed onto a face or lifted."""
+    kind = rng.choice(list(KINDS), p=list(KINDS.values()))
     seats, group = list(arrangement.seats), arrangement.group
     if kind == "shake":
-        return _shaken(rng, arrangement, float(rng.choice([0.004, 0.01, 0.02, 0.04, 0.07])), float(rng.choice([0.3, 1])))
+        size = float(rng.choice([0.004, 0.01, 0.02, 0.04, 0.07]))
+        return _shaken(rng, arrangement, size, share=float(rng.choice([0.3, 1.0])))
+    if kind == "merge" and not _merged(rng, seats, group):
+        return None
     level = -1
     if kind in ("reseat", "drop", "replace"):
         level = _without_one(rng, seats)
