@@ -11,6 +11,7 @@ from wct_plugin import quality
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+from wct_plugin.surface import find_rows
 from wct_plugin.topology import FACETS
 
 Floats = NDArray[np.float64]
@@ -49,7 +50,8 @@ class GenerateBoundarySurface(Filter[BoundarySurfaceOptions]):
         tet = sides[:, 0]
         triangles = mesh.tets[sides[:, :1], FACETS[sides[:, 1]]]
         used, corners = np.unique(triangles, return_inverse=True)
-        facet = _find(triangles, mesh.facets.vertices)
+        tagged = np.sort(mesh.facets.vertices, axis=1)
+        facet = find_rows(tagged, np.sort(triangles, axis=1), len(mesh.points))
         facet_data, lost = _facet_data(mesh.facets, facet)
         lost += _lost(mesh, facet)
         if lost:
@@ -73,14 +75,6 @@ def _measured(mesh: TetMesh, name: str) -> tuple[Floats, Floats]:
         return measured.min_height, -measured.min_height
     angle: Floats = getattr(measured, name)
     return angle, angle
-
-
-def _find(triangles: Ints, facets: Ints) -> Ints:
-    """(k,) for each triangle the first facet with its three points, or -1."""
-    rows = np.sort(np.concatenate([facets, triangles]), axis=1)
-    _, first, same = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    found = first[same.reshape(-1)[len(facets) :]]
-    return np.where(found < len(facets), found, -1)
 
 
 def _facet_data(facets: Cells, facet: Ints) -> tuple[dict[str, NDArray[Any]], list[str]]:

@@ -65,9 +65,9 @@ class Meshlab(Filter[MeshlabOptions]):
         self._asked = False
         self._fault = ""  #: what pymeshlab cannot take, once it was asked
 
-    def __call__(self, mesh: Any, progress: ProgressCallback | None = None) -> tuple[SurfaceMesh, Metrics]:
+    def __call__(self, mesh: Any = None, progress: ProgressCallback | None = None) -> tuple[SurfaceMesh, Metrics]:
         """Run; the process that runs the filters checks them first, so none is started only for that."""
-        self.check_takes(type(mesh))
+        self.check_takes(None if mesh is None else type(mesh))
         return self.run(mesh, progress or (lambda _: True))
 
     @classmethod

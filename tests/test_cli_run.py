@@ -136,7 +136,9 @@ def test_usage(place, capsys, monkeypatch):
     assert refused(capsys, "run", name).endswith(f"give one: wct run {name} IN [OUT...]")
     assert refused(capsys, "run", name, "cube.vtu").startswith("nothing would be written; give an output")
     closed = chain(place, ["cube.vtu", MOVE, "out.vtu"], "closed.json")
-    assert "has its input already; only filters can take cube.vtu" in refused(capsys, "run", closed, "cube.vtu")
+    assert "needs no input; only filters that take a mesh can have cube.vtu" in refused(
+        capsys, "run", closed, "cube.vtu"
+    )
     (place / "bad.json").write_text('["cube.vtu"')
     said = refused(capsys, "run", "bad.json")
     assert said == "bad.json: the pipeline is no JSON: line 1, column 12: Expecting ',' delimiter"

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from builders import jittered_cube, kuhn_cube, regular_tet
 
+from wct_plugin import mesh as mesh_module
+from wct_plugin import predicates
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import Cells, Repairs, SurfaceMesh, TetMesh
 
@@ -233,3 +235,21 @@ def test_huge_and_tiny_coordinates_are_fine():
     for size in (1e-200, 1e200):
         mesh = TetMesh(regular_tet().points * size, [[0, 1, 3, 2]])
         assert mesh.repairs.flipped == 1
+
+
+def test_repeated_tets_are_found_whatever_the_keys_and_chunks(monkeypatch):
+    """Keys only say where to look: with ones that hardly differ, in chunks of two, the same tets are found."""
+    monkeypatch.setattr(mesh_module, "_CHUNK", 2)
+    monkeypatch.setattr(mesh_module, "_MIX", np.ones(4, dtype=np.uint64))
+    monkeypatch.setattr(predicates, "_CHUNK", 2)
+    cube = jittered_cube(2, 0)
+    turned = cube.tets.copy()
+    turned[5] = turned[5, [1, 0, 2, 3]]
+    mesh = TetMesh(cube.points, turned)
+    assert np.array_equal(np.sort(mesh.tets), np.sort(cube.tets))
+    assert mesh.repairs.flipped == 1
+    with pytest.raises(InputError, match=r"tet 7 repeats tet 2, vertices"):
+        TetMesh(cube.points, np.insert(cube.tets, 7, cube.tets[2, ::-1], axis=0))
+    turned[9, 3] = turned[9, 0]
+    with pytest.raises(InputError, match=r"tet 9 is .*; its four vertices must differ"):
+        TetMesh(cube.points, turned)

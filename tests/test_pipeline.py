@@ -13,6 +13,7 @@ from wct_plugin.errors import InputError, OptionError, OutputError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline, mesher_within_tolerance
 from wct_plugin.stage import Filter, Options, Progress, find_filter
+from wct_plugin.step import Step
 
 CUBE = jittered_cube(3, 0)
 RAN: list[str] = []
@@ -47,6 +48,19 @@ class Skin(Filter[Options]):
     def run(self, mesh, progress):
         RAN.append("skin")
         return mesh.boundary_surface(), {}
+
+
+class Make(Filter[Options]):
+    """Make a mesh from nothing."""
+
+    name = "make"
+    takes = None
+    gives = TetMesh
+    declaration = Options
+
+    def run(self, mesh, progress):
+        assert mesh is None
+        return CUBE, {"tets": len(CUBE.tets)}
 
 
 class FillOptions(Options):
@@ -132,7 +146,7 @@ def test_a_pipeline_without_reader_is_applied_to_a_mesh_or_to_any_file(place):
     assert np.array_equal(chain.apply(CUBE).mesh.points, 4.0 * CUBE.points)
     chain.between("cube.vtu", ["a.vtu", "a.json"]).execute()
     assert names(place) == ["a.json", "a.vtu", "ball.ply", "cube.vtu"]
-    with pytest.raises(OptionError, match=r"stage 1 of 3 \(readers.mesh\): has its input already"):
+    with pytest.raises(OptionError, match=r"stage 1 of 3 \(readers.mesh\): needs no input"):
         (wct.Reader("cube.vtu") | chain).apply(CUBE)
 
 
@@ -337,6 +351,34 @@ def test_wiring(place):
     message = r"cycle: stage 2 of 3 \(filters.get_quality\) -> stage 3 of 3 \(filters.get_quality\) -> stage 2 of 3"
     refused(start | circle, OptionError, message, place)
     refused(start | quality(tag="a", inputs="a"), OptionError, "cycle: stage 2 of 2 .* -> stage 2 of 2", place)
+
+
+def test_a_stage_that_makes_its_mesh_begins_a_pipeline_or_a_branch(place):
+    made = Make() | Pipeline() | Scale() | wct.Writer("made.vtu")
+    assert not made.is_open
+    result = made.execute()
+    assert np.ptp(result.mesh.points) == 2 * np.ptp(CUBE.points)
+    assert list(result.metrics) == ["make", "scale"]
+    assert names(place) == ["ball.ply", "cube.vtu", "made.vtu"]
+
+    branch = Pipeline([Step(Make(), tag="made")])
+    both = wct.Reader("cube.vtu", tag="read") | branch | wct.Writer("both.json", inputs=["read", "made"])
+    both.execute()
+    assert set(json.loads((place / "both.json").read_text())) == {"read", "made", "filters"}
+
+
+def test_a_stage_that_makes_its_mesh_takes_none(place):
+    read = wct.Reader("cube.vtu")
+    refused(read | Make(), OptionError, r"stage 1 of 2 \(readers.mesh\): no stage takes its mesh", place)
+    refused(Make() | Pipeline() | Make(), OptionError, r"stage 1 of 2 \(filters.make\): no stage takes", place)
+    tagged = wct.Reader("cube.vtu", tag="a") | Pipeline([Step(Make(), inputs=("a",))])
+    refused(tagged, OptionError, r"stage 2 of 2 \(filters.make\): a stage that takes no mesh takes no inputs", place)
+    with pytest.raises(OptionError, match=r"stage 1 of 1 \(filters.make\): needs no input"):
+        Pipeline([Step(Make())]).apply(CUBE)
+    with pytest.raises(OptionError, match=r"filters.scale needs a tet mesh, here is none"):
+        Scale()()
+    with pytest.raises(OptionError, match=r"stage 2 of 2 .*needs a surface, here is a tet mesh"):
+        (Make() | Pipeline([Step(Fill())])).check()
 
 
 # --- what fails while it runs ---------------------------------------------------------------------------------------

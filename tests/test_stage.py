@@ -44,6 +44,12 @@ def test_our_filters_are_registered():
     assert filter_names() == [
         "apply_coord_well_centering",
         "compute_scalar_by_well_centeredness",
+        "create_cube",
+        "create_cube_corner",
+        "create_from_voxels",
+        "create_lattice_tiling",
+        "create_tetrahedron",
+        "create_tetrahedron_subdivision",
         "generate_boundary_surface",
         "generate_tetrahedralization",
         "get_quality",

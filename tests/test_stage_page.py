@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from builders import jittered_cube, sphere_surface
 
@@ -38,8 +39,10 @@ def test_a_page_has_what_the_declaration_has(name, capsys):
 def test_the_example_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     stage = find_filter(name)
-    source, _, target = stage_page.example(stage)
-    wct.write(source, jittered_cube(3, 0) if stage.takes is TetMesh else sphere_surface(60))
+    *source, _, target = stage_page.example(stage)
+    for file in source:
+        wct.write(file, jittered_cube(3, 0) if stage.takes is TetMesh else sphere_surface(60))
+    np.save("ball.npy", np.ones((2, 1, 1)))
     page = DOCS.read_text().partition(f"\n## filters.{name}\n")[2]
     result = Pipeline.from_json(page.partition("```json\n")[2].partition("```")[0]).execute()
     assert isinstance(result.mesh, stage.gives)

@@ -30,7 +30,7 @@ def overlapping(low: Floats, high: Floats, other_low: Floats, other_high: Floats
 
 
 class _Tree:
-    """A full binary tree over boxes in the order of a space-filling curve; filled up with empty ones, that overlap none."""
+    """A full binary tree over boxes in the order of a space-filling curve; filled up with empty ones."""
 
     def __init__(self, low: Floats, high: Floats) -> None:
         self.order = np.argsort(_along_curve((low + high) / 2.0), kind="stable")

@@ -42,6 +42,8 @@ CHECKS = {"orientation": "tets", "conformity": "facets", "delaunay": "interior f
 _NAMED = 5
 #: Exact fractions longer than this are given to six digits instead.
 _LONGEST = 40
+#: Cells that are gathered at a time.
+_BLOCK = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class Certificate:
                 _LABELS.get(name, name),
                 f"{check.elements} {CHECKS[name]}",
                 str(check.violations),
-                str(check.ties),
+                str(check.ties) if name != "conformity" else "-",
                 str(check.exactly),
             )
             for name, check in self.checks.items()
@@ -139,25 +141,29 @@ def certify(mesh: TetMesh) -> Certificate:
 
     Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
     """
-    pairs = mesh.topology.interior_pairs
-    apex = mesh.tets[pairs[:, 2], pairs[:, 3]]
-    facet_tets = np.concatenate([pairs[:, :2], mesh.topology.boundary_half_facets])
-    facets = mesh.tets[facet_tets[:, :1], FACETS[facet_tets[:, 1]]]
-    tets = np.arange(len(mesh.tets))[:, None]
+    tets, pairs = mesh.tets, mesh.topology.interior_pairs
+    half_facets = np.concatenate([pairs[:, :2], mesh.topology.boundary_half_facets])
+
+    def tet(rows: slice) -> Ints:
+        return tets[rows]
+
+    def facet(rows: slice) -> Ints:
+        cells: Ints = tets[half_facets[rows, :1], FACETS[half_facets[rows, 1]]]
+        return cells
+
+    def tet_and_vertex_across(rows: slice) -> Ints:
+        return np.column_stack([tets[pairs[rows, 0]], tets[pairs[rows, 2], pairs[rows, 3]]])
+
+    own = np.arange(len(tets))[:, None]
     return Certificate(
         {
-            "orientation": _check(mesh, predicates.volume, mesh.tets, tets, _volume),
+            "orientation": _check(mesh, predicates.volume, tet, own, _volume),
             "conformity": _conformity(mesh),
             "delaunay": _check(
-                mesh,
-                predicates.circumsphere,
-                np.column_stack([mesh.tets[pairs[:, 0]], apex]),
-                pairs[:, [0, 2]],
-                _power,
-                ties_pass=True,
+                mesh, predicates.circumsphere, tet_and_vertex_across, pairs[:, [0, 2]], _power, ties_pass=True
             ),
-            "3wc": _check(mesh, predicates.circumcenter, mesh.tets, tets, _barycentric),
-            "2wc": _check(mesh, predicates.corners, facets, facet_tets[:, :1], _product),
+            "3wc": _check(mesh, predicates.circumcenter, tet, own, _barycentric),
+            "2wc": _check(mesh, predicates.corners, facet, half_facets[:, :1], _product),
         }
     )
 
@@ -165,20 +171,29 @@ def certify(mesh: TetMesh) -> Certificate:
 def _check(
     mesh: TetMesh,
     polynomial: Polynomial,
-    cells: Ints,
+    cells: Callable[[slice], Ints],
     tets: Ints,
     measure: Callable[[Floats], tuple[str, Fraction]],
     ties_pass: bool = False,
 ) -> Check:
-    """All values of ``polynomial`` for ``cells`` are positive; ``tets`` (k, t) and ``measure`` are for the message."""
-    found = signs(polynomial, mesh.points, cells)
-    worst = found.values.min(axis=1, initial=1)
-    bad = np.flatnonzero(worst < (0 if ties_pass else 1))
-    first = []
-    for row in bad[:_NAMED]:
-        what, value = measure(mesh.points[cells[row]])
-        first.append(Violation(_numbers(tets[row]), _numbers(cells[row]), what, _text(value)))
-    return Check(len(cells), len(bad), int((worst == 0).sum()), found.exactly, tuple(first))
+    """All values of ``polynomial`` are positive for the cells of each row of ``tets`` (k, t), which contain them.
+
+    ``measure`` says what a violation is.
+    """
+    violations, ties, exactly = 0, 0, 0
+    first: list[Violation] = []
+    for start in range(0, len(tets), _BLOCK):
+        block = cells(slice(start, start + _BLOCK))
+        found = signs(polynomial, mesh.points, block)
+        worst = found.values.min(axis=1)
+        bad = np.flatnonzero(worst < (0 if ties_pass else 1))
+        for row in bad[: _NAMED - len(first)]:
+            what, value = measure(mesh.points[block[row]])
+            first.append(Violation(_numbers(tets[start + row]), _numbers(block[row]), what, _text(value)))
+        violations += len(bad)
+        ties += int((worst == 0).sum())
+        exactly += found.exactly
+    return Check(len(tets), violations, ties, exactly, tuple(first))
 
 
 def _conformity(mesh: TetMesh) -> Check:

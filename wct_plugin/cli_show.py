@@ -3,7 +3,7 @@
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -17,7 +17,7 @@ from rich.progress import Progress as ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from wct_plugin import files, stage_page
+from wct_plugin import certificate, files, stage_page
 from wct_plugin.errors import WctWarning
 from wct_plugin.report import Report
 from wct_plugin.result import Result
@@ -114,6 +114,11 @@ def print_report(report: Report) -> None:
             out.print(Text(line))
     if report.worst:
         out.print(table("Worst tets", report.worst_head(), report.rows_worst()))
+    if report.certificate:
+        title = f"Exact certificate, {report.certificate.headline()}"
+        out.print(table(title, certificate.HEAD, report.certificate.rows()))
+        for line in report.certificate.lines():
+            out.print(Text(line), soft_wrap=True)
 
 
 def print_before_after(before: Report, after: Report) -> None:
@@ -132,6 +137,24 @@ def print_result(result: Result) -> None:
     out.print(table("Stages", ("stage", "tag", "seconds", "mesh"), rows, left=True))
     for goal in result.goals:
         out.print(Text(str(goal)))
+
+
+def print_metrics(title: str, metrics: Mapping[str, Any]) -> None:
+    """What a filter found out, a line per metric."""
+    rows = [(name.replace("_", " "), _shown(value)) for name, value in metrics.items()]
+    out.print(table(title, ("", ""), rows))
+
+
+def _shown(value: Any) -> str:
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case float():
+            return f"{value:.4g}"
+        case list() | tuple():
+            return ", ".join(f"({_shown(item)})" if isinstance(item, list) else _shown(item) for item in value)
+        case _:
+            return str(value)
 
 
 def print_page(stage: type[Filter[Options]]) -> None:

@@ -73,10 +73,10 @@ def _constructor(stage: type[Stage[Options]]) -> Callable[..., Pipeline]:
         return Pipeline([Step(stage(**options), tag, _tags(inputs))])
 
     declared = list(inspect.signature(stage.declaration).parameters.values())
-    extra = [
-        inspect.Parameter("tag", inspect.Parameter.KEYWORD_ONLY, default="", annotation=str),
-        inspect.Parameter("inputs", inspect.Parameter.KEYWORD_ONLY, default=(), annotation=str | Sequence[str]),
-    ]
+    extra = [inspect.Parameter("tag", inspect.Parameter.KEYWORD_ONLY, default="", annotation=str)]
+    if not stage.starts():
+        inputs = inspect.Parameter("inputs", inspect.Parameter.KEYWORD_ONLY, default=(), annotation=str | Sequence[str])
+        extra.append(inputs)
     construct.__name__ = construct.__qualname__ = stage.name
     construct.__doc__ = stage_page.docstring(stage)
     construct.__signature__ = inspect.Signature(  # type: ignore[attr-defined]

@@ -10,27 +10,27 @@ of them meet in a common face or not at all, if
 Shells are the classes of boundary facets that are joined by edges at which exactly two boundary facets meet.
 
 Proof. Let N(x) be the number of tets around a point x on no facet. By 1, N changes at boundary facets only, and by 2
-it changes by one there, from N outside to N + 1 inside. Near an edge where exactly two boundary facets meet they are, by
-2, all of the boundary, and they induce opposite directions on the edge, so both have the same side outside: N outside
-is the same all along a shell. By 3 it is 0. A way from infinity, where N = 0, to a point with N = 2 would cross a facet
-from 1 to 2, with N = 1 outside; so N <= 1 and interiors are disjoint. Now let x be in two tets A and B, inside the face
-F of A and the face G of B. If both are faces of boundary facets, F = G by 2. Otherwise one of them, say F, is in none, so
-that the tets around F, all matched across the facets at F, cover all that is near x; B has points near x too, is one
-of these tets as N <= 1, has F as a face, and so F = G. Conversely, a mesh that violates 1, 2 or 3 is not of this kind.
-Nothing else is assumed; the boundary need not be a manifold, and the mesh may be in several pieces.
+it changes by one there, from N outside to N + 1 inside. Near an edge where exactly two boundary facets meet they are,
+by 2, all of the boundary, and they induce opposite directions on the edge, so both have the same side outside: N
+outside is the same all along a shell. By 3 it is 0. A way from infinity, where N = 0, to a point with N = 2 would
+cross a facet from 1 to 2, with N = 1 outside; so N <= 1 and interiors are disjoint. Now let x be in two tets A and B,
+inside the face F of A and the face G of B. If both are faces of boundary facets, F = G by 2. Otherwise one of them,
+say F, is in none, so that the tets around F, all matched across the facets at F, cover all that is near x; B has
+points near x too, is one of these tets as N <= 1, has F as a face, and so F = G. Conversely, a mesh that violates 1,
+2 or 3 is not of this kind. Nothing else is assumed; the boundary need not be a manifold, and the mesh may be in
+several pieces.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from wct_plugin import predicates
 from wct_plugin.boxes import overlapping
 from wct_plugin.mesh import TetMesh
 from wct_plugin.signs import Polynomial, signs
+from wct_plugin.surface import components, surface_edges
 from wct_plugin.topology import FACETS
 
 Floats = NDArray[np.float64]
@@ -198,8 +198,13 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
     """(k, 2) the tet of one facet of each shell, and another tet that has the middle of that facet in it."""
     triangles = mesh.topology.boundary
     chosen = np.unique(_shells(triangles, len(mesh.points)), return_index=True)[1]
-    corners, cells = mesh.points[triangles[chosen]], mesh.points[mesh.tets]
-    pairs = overlapping(corners.min(axis=1), corners.max(axis=1), cells.min(axis=1), cells.max(axis=1))
+    corners = mesh.points[triangles[chosen]]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    sides = [mesh.points[mesh.tets[:, k]] for k in range(4)]
+    tet_low, tet_high = np.minimum.reduce(sides), np.maximum.reduce(sides)
+    near = np.flatnonzero(((tet_low <= high.max(axis=0)) & (low.min(axis=0) <= tet_high)).all(axis=1))
+    pairs = overlapping(low, high, tet_low[near], tet_high[near])
+    pairs[:, 1] = near[pairs[:, 1]]
     own = mesh.topology.boundary_half_facets[chosen, 0]
     pairs = pairs[own[pairs[:, 0]] != pairs[:, 1]]
     for facet in FACETS:
@@ -211,12 +216,6 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
 
 def _shells(triangles: Ints, count: int) -> Ints:
     """(b,) a label per boundary facet, equal where edges with exactly two boundary facets join them."""
-    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    keys = ends[:, 0] * count + ends[:, 1]
-    order = np.argsort(keys, kind="stable")
-    _, starts, times = np.unique(keys[order], return_index=True, return_counts=True)
-    starts = starts[times == 2]
-    joined = order[starts] % len(triangles), order[starts + 1] % len(triangles)
-    graph = coo_array((np.ones(len(starts), dtype=np.int8), joined), shape=(len(triangles),) * 2)
-    labels: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
-    return labels
+    _, owners, starts, sizes, _ = surface_edges(triangles, count)
+    pairs = starts[sizes == 2]
+    return components(owners[pairs], owners[pairs + 1], len(triangles))

@@ -25,6 +25,10 @@ class Reader(Stage[O_co]):
 
     family = "readers"
 
+    @classmethod
+    def starts(cls) -> bool:  # noqa: D102
+        return True
+
     @abstractmethod
     def kinds(self) -> frozenset[Kind]:
         """The kinds of mesh it may give, as far as known before it has read."""

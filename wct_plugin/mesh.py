@@ -20,6 +20,10 @@ from wct_plugin.topology import Topology
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+_CHUNK = 1 << 17  # tets looked at together, so that checks take little memory beside the mesh
+#: Odd factors that make one number, modulo 2 ** 64, of a tet's ascending vertices; of the splitmix64 generator.
+_MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 1], dtype=np.uint64)
+
 _KIND = {1: "vertex", 2: "edge", 3: "triangle", 4: "tet"}
 
 
@@ -237,7 +241,7 @@ def _points(values: ArrayLike) -> Floats:
         raise InputError(f"points have shape {points.shape}; allowed is (n, 3)")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
-        raise InputError(f"point {bad[0]} is {_row(points[bad[0]])}{_and_more(bad)}; coordinates must be finite")
+        raise InputError(f"point {bad[0]} is {show_row(points[bad[0]])}{and_more(bad)}; coordinates must be finite")
     return points
 
 
@@ -249,42 +253,51 @@ def _indices(values: ArrayLike, what: str) -> Ints:
 
 
 def _check_range(cells: Ints, count: int) -> None:
+    if not cells.size or (cells.min() >= 0 and cells.max() < count):
+        return
     bad = np.flatnonzero(((cells < 0) | (cells >= count)).any(axis=1))
     if len(bad):
         kind = _KIND[cells.shape[1]]
         raise InputError(
-            f"{kind} {bad[0]} is {_row(cells[bad[0]])}{_and_more(bad)}; indices must lie in 0..{count - 1}"
+            f"{kind} {bad[0]} is {show_row(cells[bad[0]])}{and_more(bad)}; indices must lie in 0..{count - 1}"
         )
 
 
 def _check_distinct(tets: Ints) -> None:
     """No vertex twice in a tet and no tet twice; afterwards every tet is a set of four points of its own."""
-    ordered = np.sort(tets, axis=1)
-    bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
-    if len(bad):
-        raise InputError(f"tet {bad[0]} is {_row(tets[bad[0]])}{_and_more(bad)}; its four vertices must differ")
+    keys = np.empty(len(tets), dtype=np.uint64)
+    bad = []
+    for start in range(0, len(tets), _CHUNK):
+        ordered = np.sort(tets[start : start + _CHUNK], axis=1)
+        bad.append(start + np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1)))
+        keys[start : start + _CHUNK] = ordered.astype(np.uint64) @ _MIX
+    repeated = np.concatenate([*bad, np.empty(0, dtype=np.int64)])
+    if len(repeated):
+        raise InputError(
+            f"tet {repeated[0]} is {show_row(tets[repeated[0]])}{and_more(repeated)}; its four vertices must differ"
+        )
+    ascending = np.sort(keys)
+    alike = np.flatnonzero(np.isin(keys, ascending[1:][ascending[1:] == ascending[:-1]]))
+    ordered = np.sort(tets[alike], axis=1)  # equal tets have equal keys, and few others have
     order = np.lexsort(ordered.T[::-1])
     sequel = ordered[order]
     twins = np.flatnonzero((sequel[1:] == sequel[:-1]).all(axis=1))
     if len(twins):
-        first, second = sorted((int(order[twins[0]]), int(order[twins[0] + 1])))
+        first, second = sorted((int(alike[order[twins[0]]]), int(alike[order[twins[0] + 1]])))
         raise InputError(
-            f"tet {second} repeats tet {first}, vertices {_row(tets[first])}{_and_more(twins)}; each may occur once"
+            f"tet {second} repeats tet {first}, vertices {show_row(tets[first])}{and_more(twins)}; each may occur once"
         )
 
 
 def _orient(points: Floats, tets: Ints) -> tuple[Ints, int]:
     """Turn negative tets round; the sign is exact, so that afterwards every volume is truly positive."""
-    signs = predicates.orientation(points, tets)
+    turned, signs = predicates.turned(points, tets)
     flat = np.flatnonzero(signs == 0)
     if len(flat):
         raise InputError(
-            f"tet {flat[0]}, vertices {_row(tets[flat[0]])}, has zero volume{_and_more(flat)}; it must not"
+            f"tet {flat[0]}, vertices {show_row(tets[flat[0]])}, has zero volume{and_more(flat)}; it must not"
         )
-    negative = signs < 0
-    if negative.any():
-        tets[negative] = tets[negative][:, [0, 1, 3, 2]]
-    return tets, int(negative.sum())
+    return turned, int((signs < 0).sum())
 
 
 def _tags(values: ArrayLike | None, count: int, kind: str) -> Ints:
@@ -320,9 +333,11 @@ def _sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, I
     return out
 
 
-def _row(values: NDArray[Any]) -> str:
+def show_row(values: NDArray[Any]) -> str:
+    """A point, or the vertices of a cell, as messages show them."""
     return "(" + ", ".join(f"{value:g}" if values.dtype.kind == "f" else str(value) for value in values) + ")"
 
 
-def _and_more(found: NDArray[Any]) -> str:
+def and_more(found: NDArray[Any]) -> str:
+    """What a message that names the first of ``found`` says of the others."""
     return f" (and {len(found) - 1} more)" if len(found) > 1 else ""

@@ -56,13 +56,15 @@ class Pipeline:
 
     @property
     def is_open(self) -> bool:
-        """Whether it needs a mesh or file put before it: it begins with no reader."""
-        return bool(self.steps) and not isinstance(self.steps[0].stage, Reader) and not self.steps[0].inputs
+        """Whether it needs a mesh or file put before it: it begins with a stage that takes what comes before."""
+        return bool(self.steps) and not self.steps[0].stage.starts() and not self.steps[0].inputs
 
     def between(self, source: str | Path | Mesh, targets: Iterable[str | Path] = ()) -> "Pipeline":
         """The pipeline with a reader of ``source`` before it and writers of ``targets`` behind it."""
         if self.steps and not self.is_open:
-            raise OptionError(f"{label(self.steps, 0)}: has its input already; only filters can take {source} instead")
+            raise OptionError(
+                f"{label(self.steps, 0)}: needs no input; only filters that take a mesh can have {source}"
+            )
         ends = [Step(find_stage(writer_type(str(target)))(filename=target)) for target in targets]
         return Pipeline((Step(ReadMesh(filename=source)), *self.steps, *ends))
 
@@ -106,10 +108,10 @@ class Pipeline:
             stage = stages[index]
             with _timed(seconds, index):
                 if isinstance(stage, Filter):
-                    before = flows[wires[index][0]]
+                    before = flows[wires[index][0]] if wires[index] else None
                     with _named(steps, index):
-                        mesh, metrics[index] = stage(before.mesh, progress)
-                    flows[index] = before.through(stage, mesh, metrics[index])
+                        mesh, metrics[index] = stage(before.mesh if before else None, progress)
+                    flows[index] = (before or Flow(mesh)).through(stage, mesh, metrics[index])
                 elif isinstance(stage, Writer):
                     flows[index] = stage.pass_on(flows[wires[index][-1]])
         for index, stage in enumerate(stages):
@@ -181,7 +183,7 @@ def _follow(steps: Sequence[Step], wires: Sequence[Sequence[int]], known: dict[i
             if isinstance(stage, Reader):
                 gives[index] = known.get(index) or stage.kinds()
                 continue
-            came = [gives[source] for source in wires[index]] or [known[index]]
+            came = [gives[source] for source in wires[index]] or [known.get(index, frozenset())]
             able = [_able(stage, kinds) for kinds in came]
             gives[index] = frozenset({stage.gives}) if isinstance(stage, Filter) else able[-1]
 

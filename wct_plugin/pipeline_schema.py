@@ -54,7 +54,7 @@ def schema() -> dict[str, Any]:
 
 def _stage(stage: type[Stage[Options]]) -> dict[str, Any]:
     made = stage.declaration.model_json_schema(ref_template=f"#/$defs/{stage.type()}/$defs/{{model}}")
-    tags = _TAGS if stage.family != "readers" else {"tag": _TAGS["tag"]}
+    tags = {"tag": _TAGS["tag"]} if stage.starts() else _TAGS
     return {
         **made,
         "title": stage.type(),

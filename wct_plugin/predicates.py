@@ -19,6 +19,16 @@ def orientation(points: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray
     return signs(volume, points, tets).values[:, 0].astype(np.int64)
 
 
+def turned(points: NDArray[np.float64], tets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The tets (m, 4) with the negative ones turned round, and the exact sign (m,) that each had before."""
+    before = orientation(points, tets)
+    negative = before < 0
+    if negative.any():
+        tets = tets.copy()
+        tets[negative] = tets[negative][:, [0, 1, 3, 2]]
+    return tets, before
+
+
 def volume(u: Vector, v: Vector, w: Vector) -> tuple[Any]:
     """Six times the signed volume of a tet."""
     return (_dot(u, _cross(v, w)),)

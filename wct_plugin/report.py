@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import duals, fidelity, quality, remaining, shape_floor, surface
+from wct_plugin import certificate, duals, fidelity, quality, remaining, shape_floor, surface
+from wct_plugin.certificate import Certificate
 from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
 from wct_plugin.quality import Quality
@@ -74,6 +75,7 @@ class Report:
     deviation: Mapping[str, float] | None  #: of the boundary from the reference, see :meth:`Deviation.to_dict`
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
+    certificate: Certificate | None = None  #: what is proven exactly, if that was asked for
     notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
 
     def to_dict(self) -> dict[str, Any]:
@@ -102,6 +104,7 @@ class Report:
             for name, counts in self.bad_by_place.items()
         }
         out |= {"deviation": self.deviation, "remaining": self.remaining, "shape": self.shape}
+        out["certificate"] = self.certificate.to_dict() if self.certificate else None
         finite: dict[str, Any] = _finite(out)
         return finite
 
@@ -181,10 +184,13 @@ class Report:
         ]
 
 
-def make_report(mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None = None) -> Report:
+def make_report(
+    mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None = None, *, exact: bool = False
+) -> Report:
     """Measure a mesh: sizes, ranges, flags, tiers, histograms, its ``worst`` tets, deviation from its reference.
 
     ``found``: metrics of the filter that made it; its deviation, remaining tets and shape are not measured again.
+    ``exact``: prove what is said about it, too, see :func:`wct_plugin.certificate.certify`.
     Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
     """
     measured = quality.measure(mesh)
@@ -228,6 +234,7 @@ def make_report(mesh: TetMesh, worst: int = 10, found: Mapping[str, Any] | None 
         deviation=found.get("deviation") or _deviation(mesh),
         remaining=found.get("remaining"),
         shape=found.get("shape"),
+        certificate=certificate.certify(mesh) if exact else None,
         notes=_notes(found),
     )
 

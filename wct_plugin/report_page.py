@@ -5,6 +5,7 @@ from html import escape
 from io import StringIO
 from pathlib import PurePath
 
+from wct_plugin import certificate
 from wct_plugin.errors import WctError
 from wct_plugin.report import BINS, TITLES, Report
 
@@ -65,6 +66,10 @@ def html(reports: Sequence[Report], title: str) -> str:
         body += [f"<p>{escape(note)}</p>" for note in report.notes]
         if report.worst:
             body.append(f"<h2>Worst tets, {escape(name)}</h2>{_table([report.worst_head()], report.rows_worst())}")
+        if report.certificate:
+            title_exact = f"Exact certificate, {name}: {report.certificate.headline()}"
+            body.append(f"<h2>{escape(title_exact)}</h2>{_table([certificate.HEAD], report.certificate.rows())}")
+            body += [f"<p>{escape(line)}</p>" for line in report.certificate.lines()]
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from wct_plugin import predicates
 from wct_plugin.errors import InputError
-from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.surface import enclosed_volume
+from wct_plugin.mesh import SurfaceMesh, and_more, show_row
+from wct_plugin.surface import components, enclosed_volume, surface_edges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,16 +43,16 @@ def weld(surface: SurfaceMesh) -> tuple[Floats, Ints]:
     if len(collapsed):
         double = points[ordered[collapsed[0], np.argmax(same[collapsed[0]])]]
         raise InputError(
-            f"{label(surface)}triangle {collapsed[0]} has two corners at {place(double)}{_and_more(collapsed)}; "
+            f"{label(surface)}triangle {collapsed[0]} has two corners at {show_row(double)}{and_more(collapsed)}; "
             "its three corners must differ"
         )
     _, first, inverse = np.unique(ordered, axis=0, return_index=True, return_inverse=True)
     repeats = np.flatnonzero(first[inverse.ravel()] != np.arange(len(ordered)))
     if len(repeats):
         twin = first[inverse.ravel()[repeats[0]]]
-        where = place(points[triangles[twin]].mean(axis=0))
+        where = show_row(points[triangles[twin]].mean(axis=0))
         raise InputError(
-            f"{label(surface)}triangle {repeats[0]} repeats triangle {twin}, at {where}{_and_more(repeats)}; "
+            f"{label(surface)}triangle {repeats[0]} repeats triangle {twin}, at {where}{and_more(repeats)}; "
             "each may occur once"
         )
     return points, triangles
@@ -62,29 +60,24 @@ def weld(surface: SurfaceMesh) -> tuple[Floats, Ints]:
 
 def open_edge(points: Floats, triangles: Ints) -> str | None:
     """A description of the first edge that is a side of one triangle only, or None where there is none."""
-    edges, _, sizes, owner = _edges(triangles)
+    edges, owners, starts, sizes, _ = surface_edges(triangles, len(points))
     single = np.flatnonzero(sizes == 1)
     if not len(single):
         return None
     start, end = points[edges[single[0]]]
-    one = int(owner[single[0]])
-    return f"the edge from {place(start)} to {place(end)} is a side of triangle {one} only{_and_more(single)}"
+    one = int(owners[starts[single[0]]])
+    return f"the edge from {show_row(start)} to {show_row(end)} is a side of triangle {one} only{and_more(single)}"
 
 
 def flat_pieces(points: Floats, triangles: Ints, tags: Ints) -> Ints:
     """(k,) a number per triangle, from 0, equal for neighbours of one tag that are coplanar, exactly."""
-    _, inverse, sizes, _ = _edges(triangles)
-    sides = np.argsort(inverse, kind="stable")
-    start = (np.cumsum(sizes) - sizes)[sizes == 2]
-    first, second = sides[start], sides[start + 1]
-    apex = triangles[second // 3, (second + 2) % 3]  # of the second triangle, the corner off the common edge
-    flat = predicates.orientation(points, np.column_stack([triangles[first // 3], apex])) == 0
-    flat &= tags[first // 3] == tags[second // 3]
-    count = len(triangles)
-    ones = np.ones(int(flat.sum()), np.int8)
-    graph = coo_array((ones, (first[flat] // 3, second[flat] // 3)), (count, count))
-    numbers: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
-    return numbers
+    edges, owners, starts, sizes, _ = surface_edges(triangles, len(points))
+    pair = starts[sizes == 2]
+    first, second = owners[pair], owners[pair + 1]
+    apex = triangles[second].sum(axis=1) - edges[sizes == 2].sum(axis=1)  # of the second, the corner off the edge
+    flat = predicates.orientation(points, np.column_stack([triangles[first], apex])) == 0
+    flat &= tags[first] == tags[second]
+    return components(first[flat], second[flat], len(triangles))
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,15 +99,13 @@ class Shell:
 
 def shells(points: Floats, triangles: Ints) -> list[Shell]:
     """The closed, oriented pieces of a surface; pieces with open edges or more than two triangles at one are none."""
-    edges, inverse, sizes, _ = _edges(triangles)
-    ends = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    turns = np.bincount(inverse, weights=np.where(ends[:, 0] < ends[:, 1], 1, -1), minlength=len(edges))
+    _, owners, starts, sizes, forward = surface_edges(triangles, len(points))
+    turns = np.add.reduceat(np.where(forward, 1, -1), starts)
     sound = (sizes == 2) & (turns == 0)
-    count, size = len(triangles), len(triangles) + len(edges)
-    graph = coo_array((np.ones(len(inverse), np.int8), (np.arange(len(inverse)) // 3, count + inverse)), (size, size))
-    piece = connected_components(graph, directed=False)[1]
-    bad = np.unique(piece[count:][~sound])
-    members = [np.flatnonzero(piece[:count] == one) for one in np.setdiff1d(piece[:count], bad)]
+    leader = np.repeat(owners[starts], sizes)  # every triangle of an edge is joined to the first
+    piece = components(leader, owners, len(triangles))
+    bad = piece[owners[starts[~sound]]]
+    members = [np.flatnonzero(piece == one) for one in np.setdiff1d(piece, bad)]
     return [Shell(points[triangles[own]], enclosed_volume(points, triangles[own])) for own in members]
 
 
@@ -127,19 +118,3 @@ def in_cavity(point: Floats, walls: list[Shell]) -> bool:
 def label(surface: SurfaceMesh) -> str:
     """What a message about the surface begins with."""
     return f"{surface.source}: " if surface.source else ""
-
-
-def place(point: Floats) -> str:
-    """A point as messages show it."""
-    return "(" + ", ".join(f"{value:g}" for value in point) + ")"
-
-
-def _edges(triangles: Ints) -> tuple[Ints, Ints, Ints, Ints]:
-    """Every edge (e, 2) once, the edge of each triangle's side (3 k,), how many triangles it has, and the first."""
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, first, inverse, sizes = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
-    return edges, inverse.ravel().astype(np.int64), sizes.astype(np.int64), first.astype(np.int64) // 3
-
-
-def _and_more(found: Ints) -> str:
-    return f" (and {len(found) - 1} more)" if len(found) > 1 else ""

@@ -80,6 +80,11 @@ class Stage(ABC, Generic[O_co]):
         """
 
     @classmethod
+    def starts(cls) -> bool:
+        """Whether it takes no mesh, so that a pipeline or a branch of one begins with it."""
+        return False
+
+    @classmethod
     def type(cls) -> str:
         """The stage's name in a pipeline, such as ``filters.get_quality``."""
         return f"{cls.family}.{cls.name}"
@@ -93,18 +98,19 @@ class Stage(ABC, Generic[O_co]):
 class Filter(Stage[O_co]):
     """One filter with checked options; :meth:`run` gives a new mesh and its metrics and never changes its input.
 
-    Subclasses set :attr:`name`, :attr:`takes`, :attr:`gives`, :attr:`declaration` and say in the first line of their
-    docstring what they do. Raises :class:`OptionError` for unknown options and values out of range.
+    One that makes a mesh from nothing takes None, in the class and in :meth:`run`. Subclasses set :attr:`name`,
+    :attr:`takes`, :attr:`gives`, :attr:`declaration` and say in the first line of their docstring what they do. Raises
+    :class:`OptionError` for unknown options and values out of range.
     """
 
     family = "filters"
-    takes: ClassVar[Kind]
+    takes: ClassVar[Kind | None]
     gives: ClassVar[Kind]
     measures: ClassVar[bool] = False  #: whether its metrics are what :func:`~wct_plugin.report.make_report` can reuse
 
-    def __call__(self, mesh: Mesh, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
+    def __call__(self, mesh: Mesh | None = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
         """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run."""
-        self.check_takes(type(mesh))
+        self.check_takes(None if mesh is None else type(mesh))
         self.validate()
         return self.run(mesh, progress or _silent)
 
@@ -113,9 +119,19 @@ class Filter(Stage[O_co]):
         """Give the new mesh and a JSON-able dict of metrics."""
 
     @classmethod
-    def check_takes(cls, kind: Kind) -> None:
-        """Raise :class:`OptionError` unless the filter takes meshes of ``kind``."""
-        check_kind(cls.type(), cls.takes, kind)
+    def starts(cls) -> bool:  # noqa: D102
+        return cls.takes is None
+
+    @classmethod
+    def check_takes(cls, kind: Kind | None) -> None:
+        """Raise :class:`OptionError` unless the filter takes meshes of ``kind``, or none where that is None."""
+        if cls.takes is None:
+            if kind is not None:
+                raise OptionError(f"{cls.type()} makes a mesh from nothing and takes none, here is {KINDS[kind]}")
+        elif kind is None:
+            raise OptionError(f"{cls.type()} needs {KINDS[cls.takes]}, here is none")
+        else:
+            check_kind(cls.type(), cls.takes, kind)
 
 
 #: Each kind of mesh in words.
@@ -210,10 +226,13 @@ def find_filter(name: str) -> type[Filter[Options]]:
 
 
 def apply_filter(
-    name: str, mesh: Mesh, /, *, progress: ProgressCallback | None = None, **options: Any
+    name: str, mesh: Mesh | None = None, /, *, progress: ProgressCallback | None = None, **options: Any
 ) -> tuple[Mesh, Metrics]:
     """Run one filter on ``mesh`` and give the new mesh and the filter's metrics; ``mesh`` stays as it is.
 
     >>> mesh, metrics = apply_filter("apply_coord_well_centering", mesh, boundary="slide")  # doctest: +SKIP
+    >>> mesh, metrics = apply_filter("create_cube", variant="84")  # filters that make a mesh take none
+    >>> len(mesh.tets)
+    84
     """
     return find_filter(name)(**options)(mesh, progress)

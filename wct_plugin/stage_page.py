@@ -47,7 +47,7 @@ def describe_range(field: FieldInfo) -> str:
 
 def takes_and_gives(stage: type[Filter[Options]]) -> str:
     """Both kinds of mesh in words."""
-    return f"{KINDS[stage.takes]} -> {KINDS[stage.gives]}"
+    return f"{KINDS[stage.takes] if stage.takes else 'nothing'} -> {KINDS[stage.gives]}"
 
 
 def about(stage: type[Stage[Options]]) -> str:
@@ -65,14 +65,15 @@ def option_rows(stage: type[Stage[Options]]) -> list[tuple[str, str, str, str]]:
 
 def example(stage: type[Filter[Options]]) -> list[Any]:
     """A pipeline that reads a file, runs the filter with the options of its example, and writes a file."""
-    return [_INPUT[stage.takes], {"type": stage.type(), **stage.example}, _OUTPUT[stage.gives]]
+    source = [_INPUT[stage.takes]] if stage.takes else []
+    return [*source, {"type": stage.type(), **stage.example}, _OUTPUT[stage.gives]]
 
 
 def example_in_python(stage: type[Filter[Options]]) -> str:
     """The same pipeline as a line of Python."""
     options = ", ".join(f"{name}={_in_python(value)}" for name, value in stage.example.items())
-    source, _, target = example(stage)
-    return f'(wct.Reader("{source}") | wct.Filter.{stage.name}({options}) | wct.Writer("{target}")).execute()'
+    source = f'wct.Reader("{_INPUT[stage.takes]}") | ' if stage.takes else ""
+    return f'({source}wct.Filter.{stage.name}({options}) | wct.Writer("{_OUTPUT[stage.gives]}")).execute()'
 
 
 def _in_python(value: Any) -> str:
@@ -92,8 +93,10 @@ def docstring(stage: type[Stage[Options]]) -> str:
         bounds = "" if choices(field) else describe_range(field)
         default = "" if field.is_required() else f"default {describe_default(field)}"
         lines += [f"{name} : {', '.join(filter(None, (kind, bounds, default)))}", f"    {field.description}."]
-    lines += ["tag : str", "    Name of the stage, for the inputs of others.", "inputs : str or list of str"]
-    lines += ["    Tag of the stage whose mesh it takes (default: the stage before)."]
+    lines += ["tag : str", "    Name of the stage, for the inputs of others."]
+    if not stage.starts():
+        lines += ["inputs : str or list of str"]
+        lines += ["    Tag of the stage whose mesh it takes (default: the stage before)."]
     return "\n".join(lines)
 
 

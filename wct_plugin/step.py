@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from wct_plugin.ends import ENDS, Reader, Writer
+from wct_plugin.ends import ENDS, Writer
 from wct_plugin.errors import OptionError
 from wct_plugin.stage import Options, Stage, did_you_mean, filter_names, find_filter
 
@@ -65,9 +65,9 @@ def wire(steps: Sequence[Step]) -> list[list[int]]:
     wires: list[list[int]] = []
     for index, step in enumerate(steps):
         name = label(steps, index)
-        if isinstance(step.stage, Reader):
+        if step.stage.starts():
             if step.inputs:
-                raise OptionError(f"{name}: a reader takes no inputs")
+                raise OptionError(f"{name}: a stage that takes no mesh takes no inputs")
             wires.append([])
         elif not step.inputs:
             wires.append([index - 1] if index else [])
@@ -124,7 +124,7 @@ def _cycle(steps: Sequence[Step], wires: Sequence[Sequence[int]], waiting: Seque
 def _check_used(steps: Sequence[Step], wires: Sequence[Sequence[int]]) -> None:
     used = {source for sources in wires for source in sources}
     for index, step in enumerate(steps):
-        if isinstance(step.stage, Reader) and index not in used and len(steps) > 1:
+        if step.stage.starts() and index not in used and len(steps) > 1:
             raise OptionError(f"{label(steps, index)}: no stage takes its mesh")
 
 

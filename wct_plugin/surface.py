@@ -70,7 +70,7 @@ def _strata(
     crease_angle: float,
 ) -> Strata:
     count = len(points)
-    edges, owners, starts, sizes, forward = _surface_edges(triangles, count)
+    edges, owners, starts, sizes, forward = surface_edges(triangles, count)
 
     first, second = owners[starts], owners[starts + sizes - 1]
     paired = sizes == 2
@@ -103,7 +103,7 @@ def _strata(
     curve = _chains(segments, corner, count)
 
     smooth = paired & ~crease
-    patch = _components(first[smooth], second[smooth], len(triangles))
+    patch = components(first[smooth], second[smooth], len(triangles))
     stratum = np.zeros(count, dtype=np.int8)
     label = np.full(count, -1, dtype=np.int64)
     stratum[triangles] = 1
@@ -125,7 +125,7 @@ def place(mesh: TetMesh, of: Strata) -> NDArray[np.int8]:
 
 def bends(points: Floats, triangles: Ints, label: Ints) -> tuple[Ints, Floats, Bools]:
     """Edges (e, 2) between two triangles, how much the surface bends there in degrees, and if both labels are equal."""
-    edges, owners, starts, sizes, forward = _surface_edges(triangles, len(points))
+    edges, owners, starts, sizes, forward = surface_edges(triangles, len(points))
     paired = sizes == 2
     first, second = owners[starts[paired]], owners[starts[paired] + 1]
     same_way = forward[starts[paired]] == forward[starts[paired] + 1]
@@ -170,13 +170,13 @@ def _inside(mesh: TetMesh, tagged: Ints) -> tuple[Ints, Ints]:
     else:
         pairs = pairs[:0]
     facets = mesh.tets[pairs[:, :1], FACETS[pairs[:, 1]]]
-    found = _find(tagged, np.sort(facets, axis=1), len(mesh.points)) >= 0
+    found = find_rows(tagged, np.sort(facets, axis=1), len(mesh.points)) >= 0
     return facets[found], pairs[found, 0]
 
 
 def _groups(cells: Ints, tagged: Cells, count: int) -> Ints:
     """(k, g) per cell the groups (tag values, then sets) it belongs to, ascending, filled up with -1."""
-    place_of = _find(np.sort(cells, axis=1), np.sort(tagged.vertices, axis=1), count)
+    place_of = find_rows(np.sort(cells, axis=1), np.sort(tagged.vertices, axis=1), count)
     values, group = np.unique(tagged.tags, return_inverse=True)
     pairs = [np.column_stack([place_of, group])]
     for k, name in enumerate(sorted(tagged.sets)):
@@ -196,11 +196,11 @@ def _user_edges(mesh: TetMesh) -> tuple[Ints, Ints]:
     if not len(mesh.edges):
         return np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
     edges = np.unique(np.sort(mesh.edges.vertices, axis=1), axis=0)
-    edges = edges[_find(mesh.topology.edges, edges, len(mesh.points)) >= 0]
+    edges = edges[find_rows(mesh.topology.edges, edges, len(mesh.points)) >= 0]
     return edges, _distinct(_groups(edges, mesh.edges, len(mesh.points)))
 
 
-def _surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, Bools]:
+def surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, Bools]:
     """Every edge (e, 2) once, and its triangles: ``owners[starts[k] : starts[k] + sizes[k]]``.
 
     ``forward`` goes with ``owners``: does the triangle run through the edge from its smaller end to its larger?
@@ -230,7 +230,7 @@ def _angle(a: Floats, b: Floats) -> Floats:
 
 def pinched(triangles: Ints, count: int) -> Bools:
     """(count,) vertices of triangles (t, 3) where several sheets touch without sharing an edge."""
-    edges, owners, starts, sizes, _ = _surface_edges(triangles, count)
+    edges, owners, starts, sizes, _ = surface_edges(triangles, count)
     return _pinched(triangles, owners, starts, sizes, edges, count)
 
 
@@ -246,7 +246,7 @@ def _pinched(triangles: Ints, owners: Ints, starts: Ints, sizes: Ints, edges: In
             [3 * t + np.argmax(triangles[t] == end[:, None], axis=1) for t in (owners[later], owners[later - 1])]
         )
     rows, columns = np.concatenate(links, axis=1)
-    sheet = _components(rows, columns, 3 * len(triangles))
+    sheet = components(rows, columns, 3 * len(triangles))
     _, one = np.unique(sheet, return_index=True)
     pinched: Bools = np.bincount(triangles.ravel()[one], minlength=count) > 1
     return pinched
@@ -284,7 +284,7 @@ def _without_dangling(points: Floats, segments: Ints, hard: Bools, pinned: Bools
 def _speck_rims(first: Ints, second: Ints, paired: Bools, crease: Bools, hard: Bools, count: int) -> Bools:
     """(e,) the edges between a patch of at most ``SPECK`` triangles and the one larger patch all round it."""
     smooth = paired & ~crease
-    patch = _components(first[smooth], second[smooth], count)
+    patch = components(first[smooth], second[smooth], count)
     sizes = np.bincount(patch)
     one, other = patch[first], patch[second]
     rim = crease & (~paired | (one != other))
@@ -321,16 +321,17 @@ def _chains(segments: Ints, breaks: Bools, count: int) -> Ints:
     """(s,) chain ids: segments that meet at a vertex of exactly two segments that is no break are in one chain."""
     smooth = (np.bincount(segments.ravel(), minlength=count) == 2) & ~breaks
     _, (a, b) = _through(segments, smooth)
-    return _components(a, b, len(segments))
+    return components(a, b, len(segments))
 
 
-def _components(rows: Ints, columns: Ints, count: int) -> Ints:
+def components(rows: Ints, columns: Ints, count: int) -> Ints:
+    """(count,) a number per node, from 0, equal where links ``rows[k]`` - ``columns[k]`` join two nodes."""
     graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
     return connected_components(graph, directed=False)[1].astype(np.int64) if count else np.empty(0, dtype=np.int64)
 
 
-def _find(rows: Ints, wanted: Ints, count: int) -> Ints:
-    """For each of the ``wanted`` rows the index of an equal one of ``rows`` (all entries below ``count``), or -1."""
+def find_rows(rows: Ints, wanted: Ints, count: int) -> Ints:
+    """For each of the ``wanted`` rows the index of the first equal one of ``rows`` (entries below ``count``), or -1."""
     both = np.concatenate([rows, wanted])
     key = both[:, 0] if both.shape[1] else np.zeros(len(both), dtype=np.int64)
     for column in both.T[1:]:

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
+from wct_plugin import _core
+
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 NO_TRIANGLES = np.zeros((0, 3), dtype=np.int64)
 NO_SEGMENTS = np.zeros((0, 2), dtype=np.int64)
@@ -177,3 +179,21 @@ def well_centered(points, tets):
 
 def completely_well_centered(points, tets):
     return well_centered(points, tets) & (cosines(points, tets) > 0).all(axis=1)
+
+
+def start(mesh, own, **options):
+    """What the global stage makes of a mesh near its boundary ``own``."""
+    return _core.resample(
+        own.points,
+        own.strata.triangles,
+        own.strata.patch,
+        own.strata.segments,
+        own.strata.curve,
+        own.corners,
+        own.sides,
+        mesh.points,
+        mesh.tets,
+        np.zeros(len(mesh.tets), dtype=np.int64),
+        1e-3 * own.diagonal,
+        **options,
+    )

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from builders import kuhn_grid
+from core_meshes import start
 
-from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import own_boundary
 
@@ -42,19 +42,7 @@ def test_it_has_one_patch_on_both_sides(own):
 
 @pytest.fixture(scope="module")
 def found(mesh, own):
-    return _core.resample(
-        own.points,
-        own.strata.triangles,
-        own.strata.patch,
-        own.strata.segments,
-        own.strata.curve,
-        own.corners,
-        own.sides,
-        mesh.points,
-        mesh.tets,
-        np.zeros(len(mesh.tets), dtype=np.int64),
-        1e-3 * own.diagonal,
-    )
+    return start(mesh, own)
 
 
 def test_its_edges_are_creases_of_the_new_mesh_without_a_gap(found):

@@ -5,6 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from builders import kuhn_cube, l_shape
+from core_meshes import start
 
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
@@ -332,31 +333,12 @@ def test_close_sheets_stay_apart(keep, width):
 def test_a_surface_that_cuts_across_a_slot_is_not_the_domain(seed):
     """Facets six times as long as the slot is wide reach from wall to wall, mostly without a topological trace."""
     mesh = squeezed_box(0.02, lambda c: ~(in_layer(c) & (c[:, 2] > 1 / 3)))
-    assert not start(mesh, gap=100.0, seed=seed)["intact"]
-
-
-def start(mesh, **options):
-    """What the global stage makes of a mesh near its own boundary."""
-    own = own_boundary(mesh, 40.0)
-    return _core.resample(
-        own.points,
-        own.strata.triangles,
-        own.strata.patch,
-        own.strata.segments,
-        own.strata.curve,
-        own.corners,
-        own.sides,
-        mesh.points,
-        mesh.tets,
-        np.zeros(len(mesh.tets), dtype=np.int64),
-        1e-3 * own.diagonal,
-        **options,
-    )
+    assert not start(mesh, own_boundary(mesh, 40.0), gap=100.0, seed=seed)["intact"]
 
 
 def resampled(mesh):
     """Points and tets of the global stage, a ball like the mesh and with a manifold surface."""
-    result = start(mesh)
+    result = start(mesh, own_boundary(mesh, 40.0))
     assert result["intact"]
     facets = np.sort(result["tets"][:, FACETS].reshape(-1, 3), axis=1)
     facets, count = np.unique(facets, axis=0, return_counts=True)
@@ -372,7 +354,7 @@ def resampled(mesh):
 @pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])
 def test_no_facet_fills_a_right_angle_of_a_face(mesh):
     # Such a facet is not acute, and to open it later takes long.
-    found = start(mesh)
+    found = start(mesh, own_boundary(mesh, 40.0))
     points, crease = found["points"], {tuple(edge) for edge in np.sort(found["creases"], axis=1).tolist()}
     filled = 0
     for facet in found["facets"]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.surface import find_rows
 
 Ints = NDArray[np.int64]
 
@@ -63,16 +64,8 @@ def _origins(old: SurfaceMesh, made: SurfaceMesh) -> tuple[Ints, Ints]:
     old_corners, new_corners = (
         np.sort(place[mesh.triangles], axis=1) for place, mesh in ((old_place, old), (new_place, made))
     )
-    _, keys = np.unique(np.concatenate([old_corners, new_corners]), axis=0, return_inverse=True)
-    old_key, new_key = np.split(keys.reshape(-1), [len(old_corners)])
-    return _first(old_place, new_place), _first(old_key, new_key)
-
-
-def _first(old: Ints, new: Ints) -> Ints:
-    """For each of ``new`` the first place of its value in ``old``, or -1."""
-    table = np.full(max(old.max(), new.max()) + 1, -1, dtype=np.int64)
-    table[old[::-1]] = np.arange(len(old))[::-1]
-    return table[new]
+    count = len(places)
+    return find_rows(old_place[:, None], new_place[:, None], count), find_rows(old_corners, new_corners, count)
 
 
 def _fresh(live: dict[str, NDArray[Any]], kind: str) -> dict[str, NDArray[Any]]:

@@ -124,12 +124,9 @@ def _run(arguments: list[str], folder: str | Path, timeout: float | None) -> Non
 def _mesh(points: Floats, tets: Ints, surface: SurfaceMesh) -> TetMesh:
     if not len(tets):
         raise NeighbourError("fTetWild filled nothing: is the surface open, or thinner than epsilon?")
-    signs = predicates.orientation(points, tets)
     # Every tet of fTetWild comes negatively oriented. It is turned here, so that the mesh's count of repairs
     # is about the user's own data.
-    negative = signs < 0
-    tets[negative] = tets[negative][:, [0, 1, 3, 2]]
-    used, tets = np.unique(tets, return_inverse=True)
+    used, tets = np.unique(predicates.turned(points, tets)[0], return_inverse=True)
     try:
         return TetMesh(points[used], tets.reshape(-1, 4), reference=surface, source=surface.source)
     except InputError as error:

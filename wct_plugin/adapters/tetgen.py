@@ -19,8 +19,9 @@ from wct_plugin import predicates
 from wct_plugin.adapters import child
 from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
 from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
-from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.solid import check_thick, flat_pieces, in_cavity, label, open_edge, place, shells, weld
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, show_row
+from wct_plugin.solid import check_thick, flat_pieces, in_cavity, label, open_edge, shells, weld
+from wct_plugin.surface import find_rows
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -199,8 +200,8 @@ def _check_facets(said: str, surface: SurfaceMesh, points: Floats, triangles: In
         first, second = points[int(found[1])], points[int(found[2])]
         distance = float(np.linalg.norm(first - second))
         raise InputError(
-            f"{label(surface)}the points at {place(first)} and {place(second)} are {distance:.1e} apart, too close for "
-            "TetGen, which tells points apart down to 1e-8 of the diagonal; merge close vertices first"
+            f"{label(surface)}the points at {show_row(first)} and {show_row(second)} are {distance:.1e} apart, too "
+            "close for TetGen, which tells points apart down to 1e-8 of the diagonal; merge close vertices first"
         )
     found_pairs = re.findall(r"Facet #(\d+) intersects facet #(\d+)", said)
     pairs = {tuple(sorted((int(first) - 1, int(second) - 1))) for first, second in found_pairs}
@@ -215,7 +216,7 @@ def _check_facets(said: str, surface: SurfaceMesh, points: Floats, triangles: In
 
 
 def _middle(points: Floats, triangles: Ints, index: int) -> str:
-    return place(points[triangles[index]].mean(axis=0))
+    return show_row(points[triangles[index]].mean(axis=0))
 
 
 def _result(folder: Path, surface: SurfaceMesh, points: Floats, triangles: Ints, keep: bool) -> TetMesh:
@@ -256,9 +257,7 @@ def _area(points: Floats, triangles: Ints) -> float:
 
 def _mesh(nodes: Floats, tets: Ints, facets: Ints, source: str) -> TetMesh:
     # TetGen's tets are turned here, so that the mesh's count of repairs is about the user's own data.
-    cells, regions = tets[:, :4].copy(), tets[:, 4]
-    negative = predicates.orientation(nodes, cells) < 0
-    cells[negative] = cells[negative][:, [0, 1, 3, 2]]
+    cells, regions = predicates.turned(nodes, tets[:, :4])[0], tets[:, 4]
     used = np.unique(cells)  # -J keeps points that no tet uses too
     number = np.full(len(nodes), -1)
     number[used] = np.arange(len(used))
@@ -300,7 +299,7 @@ def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
     """
     found, regions = np.unique(mesh.regions, return_inverse=True)
     mesh = replace(mesh, regions=regions.ravel() + 1 if len(found) > 1 else np.zeros_like(mesh.regions))
-    outside = _among(mesh.facets.vertices, mesh.topology.boundary)
+    outside = _among(mesh.facets.vertices, mesh.topology.boundary, len(mesh.points))
     outer = np.isin(pieces, mesh.facets.tags[outside])
     reference = surface
     if not outer.all():
@@ -308,11 +307,10 @@ def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
     tags = surface.tags[np.unique(pieces, return_index=True)[1]][mesh.facets.tags]
     facets = Cells(mesh.facets.vertices, tags)
     if not tags.any():  # then those are left out that say nothing the tets do not say
-        facets = facets.select(~outside & ~_among(facets.vertices, mesh.topology.interfaces))
+        facets = facets.select(~outside & ~_among(facets.vertices, mesh.topology.interfaces, len(mesh.points)))
     return replace(mesh, facets=facets, reference=reference)
 
 
-def _among(triangles: Ints, others: Ints) -> NDArray[np.bool_]:
-    """(k,) which ``triangles`` (k, 3) are in ``others`` (j, 3), in any order of their vertices."""
-    _, number = np.unique(np.sort(np.concatenate([others, triangles]), axis=1), axis=0, return_inverse=True)
-    return np.isin(number.ravel()[len(others) :], number.ravel()[: len(others)])
+def _among(triangles: Ints, others: Ints, count: int) -> NDArray[np.bool_]:
+    """(k,) which ``triangles`` (k, 3) are in ``others`` (j, 3), in any order of their ``count`` vertices."""
+    return find_rows(np.sort(others, axis=1), np.sort(triangles, axis=1), count) >= 0

@@ -1,0 +1,126 @@
+"""The cubes and the cube's corner: the rows they are known by, and that they are what they say."""
+
+import numpy as np
+import pytest
+from printed import columns
+
+import wct_plugin as wct
+from wct_plugin import bundled, quality
+from wct_plugin.errors import OptionError
+
+#: Min and max of h/R, face angle, dihedral angle and R/l.
+ROWS = {
+    "194": ["0.040", "0.747", "33.09", "87.72", "35.80", "116.83", "0.612", "1.112"],
+    "194_paper": ["0.017", "0.776", "27.44", "89.03", "30.64", "126.08", "0.612", "1.228"],
+    "194_best": ["0.051", "0.776", "24.47", "87.01", "25.40", "105.18", "0.617", "1.241"],
+    "104": ["0.034", "0.959", "10.28", "88.05", "13.98", "120.22", "0.642", "2.982"],
+    "84": ["0.000", "0.930", "12.54", "89.99", "15.65", "124.64", "0.816", "2.727"],
+    "33": ["0.059", "0.855", "20.75", "90.00", "15.41", "137.09", "1.180", "1.468"],
+    "32": ["0.018", "0.673", "23.17", "112.50", "20.56", "136.72", "0.636", "1.315"],
+    "30": ["0.017", "0.806", "21.78", "116.57", "18.92", "138.44", "0.646", "1.348"],
+}
+
+#: The paper's table: 224 and 194 tets, completely well-centered, and 146, 3-well-centered.
+PRINTED = {
+    224: [0.041, 0.850, 21.01, 87.49, 24.91, 105.61, 0.618, 1.569],
+    194: [0.005, 0.790, 26.93, 89.61, 28.26, 126.64, 0.612, 1.134],
+    146: [0.016, 0.854, 17.09, 112.60, 10.73, 163.17, 0.711, 1.835],
+}
+
+
+def cube(variant, **options):
+    return wct.apply_filter("create_cube", variant=variant, **options)
+
+
+@pytest.mark.parametrize("variant", ROWS)
+def test_each_cube_is_well_centered_and_has_its_row(variant):
+    mesh, metrics = cube(variant)
+    assert len(mesh.tets) == int(variant.split("_")[0])
+    assert columns(mesh) == ROWS[variant]
+    assert metrics["well_centered_3"]
+    assert metrics["completely_well_centered"] == (len(mesh.tets) >= 84)
+    assert metrics["h_over_R"][0] > 2e-4
+
+
+@pytest.mark.parametrize("variant", ROWS)
+def test_each_cube_fills_the_cube(variant):
+    mesh, _ = cube(variant, size=3.0)
+    assert not mesh.repairs
+    assert quality.volumes(mesh.points, mesh.tets).sum() == pytest.approx(27, rel=1e-13)
+    triangles = mesh.points[mesh.topology.boundary]
+    on_a_side = (triangles == triangles[:, :1]).all(axis=1) & np.isin(triangles[:, 0], (0, 3.0))
+    assert on_a_side.any(axis=1).all()
+
+
+@pytest.mark.parametrize(("ours", "papers"), [("194_best", 224), ("194", 194), ("32", 146)])
+def test_the_papers_cubes_are_beaten_in_every_column(ours, papers):
+    found = quality.measure(cube(ours)[0])
+    low_h, high_h, low_face, high_face, low_dihedral, high_dihedral, _, high_ratio = PRINTED[papers]
+    assert len(found.min_height) <= papers
+    assert found.min_height.min() > low_h
+    assert found.max_height.max() < high_h
+    assert found.min_face_angle.min() > low_face
+    assert found.max_face_angle.max() < high_face
+    assert found.min_dihedral_angle.min() > low_dihedral
+    assert found.max_dihedral_angle.max() < high_dihedral
+    assert found.radius_over_edge.max() < high_ratio
+
+
+def faces(mesh):
+    """The triangles of each side of the unit cube as sets of three points of the square."""
+    triangles = mesh.points[mesh.topology.boundary]
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            on_it = triangles[(triangles[:, :, axis] == side).all(axis=1)]
+            yield np.delete(on_it, axis, axis=2)
+
+
+def symmetries(triangles):
+    """The triangles under the eight symmetries of the square, each as a set that compares."""
+    for swapped in (triangles, triangles[:, :, ::-1]):
+        for signs in np.ndindex(2, 2):
+            moved = np.where(signs, 1 - swapped, swapped)
+            yield frozenset(frozenset(map(tuple, np.round(triangle, 9))) for triangle in moved)
+
+
+def test_faces_of_the_194_match_up_to_rotation_and_reflection():
+    first, *others = faces(cube("194")[0])
+    for other in others:
+        assert next(symmetries(first)) in set(symmetries(other))
+    first, *others = faces(cube("84")[0])  # as another cube's do not
+    assert not all(next(symmetries(first)) in set(symmetries(other)) for other in others)
+
+
+def test_the_194_paper_has_the_surface_that_the_paper_describes():
+    mesh, _ = cube("194_paper")
+    on_faces = [one for one in mesh.points if np.isin(one, (0, 1)).sum() == 1]
+    values = {round(float(value), 5) for one in on_faces for value in one} - {0, 1}
+    assert values == {0.295, 0.705, 0.35, 0.65}
+    on_edges = [one for one in mesh.points if np.isin(one, (0, 1)).sum() == 2]
+    assert {float(value) for one in on_edges for value in one} == {0, 0.5, 1}
+
+
+def test_cube_corner():
+    mesh, metrics = wct.apply_filter("create_cube_corner", size=2.0)
+    assert not mesh.repairs
+    assert columns(mesh) == ["0.069", "0.699", "33.56", "86.02", "41.32", "104.22", "0.634", "1.055"]
+    assert metrics["tets"] == 34
+    assert metrics["completely_well_centered"]
+    assert quality.volumes(mesh.points, mesh.tets).sum() == pytest.approx(8 / 6, rel=1e-14)
+    turned = np.roll(mesh.points, 1, axis=1)
+    assert set(map(tuple, np.round(turned, 12))) == set(map(tuple, np.round(mesh.points, 12)))
+
+
+def test_bundled_coordinates_are_short_enough_to_publish():
+    for name in bundled.names():
+        points, tets = bundled.load(name)
+        assert np.array_equal(np.round(points, 5), points)
+        assert (quality.volumes(points, tets) > 0).all()
+
+
+def test_unknown_variant_and_a_mesh_are_refused():
+    with pytest.raises(OptionError, match=r"option 'variant' is '85'; input should be '194', .* or '30'"):
+        cube(85)
+    mesh, _ = cube(30)
+    with pytest.raises(OptionError, match=r"filters.create_cube makes a mesh from nothing and takes none, here is a "):
+        wct.apply_filter("create_cube", mesh)
