@@ -32,10 +32,10 @@ from wct_plugin.certificate import certify
 from wct_plugin.mesh import TetMesh
 
 PATIENCE = 60  # changes without gain before a chain ends
-STARTS = 12  # new arrangements of which a chain takes the best
+STARTS = 200  # new arrangements of which a chain takes the best
 LARGEST_GROUP = 8
 MOST_POINTS = {"cwc": 60, "3wc": 36}
-PROMISING = {"cwc": 0.2, "3wc": 0.03}  # energy from which polishing is worth its while
+PROMISING = {"cwc": 0.2, "3wc": 0.08}  # energy from which polishing is worth its while
 PER_TET, PER_OBSTRUCTION = 0.008, 0.05  # what a tet too many costs, and a place known to be impossible
 STATE = ("aim", "target", "chains", "archive", "dead_ends", "closest", "found")
 
@@ -108,7 +108,7 @@ class Search:
         return energy + PER_TET * max(0, count - self.target + 1) + PER_OBSTRUCTION * obstructed
 
     def _beginning(self, rng: np.random.Generator) -> Tried:
-        """A kept arrangement, sooner one of low cost, with its symmetry or without; or the best of some new ones."""
+        """A kept arrangement, sooner one of low cost, with its symmetry or without; or the best of many new ones."""
         kept = sorted(
             (self._cost(one["energy"], int(cell.split("/")[1]), one["obstructed"]), cell)
             for cell, one in self.archive.items()
@@ -120,18 +120,22 @@ class Search:
             tried = self._descended(arrangement.released() if rng.random() < 0.15 else arrangement)
             if tried is not None:
                 return tried
-        new: list[Tried] = []
+        best: Tried | None = None
+        tried_so_far = 0
+        while best is None or tried_so_far < STARTS:
+            tried_so_far += 1
+            tried = self._descended(self._new(rng), below=2.5 * self._score(best) + 0.05 if best else np.inf)
+            if tried is not None and (best is None or self._score(tried) < self._score(best)):
+                best = tried
+        return best
+
+    def _new(self, rng: np.random.Generator) -> Arrangement:
+        """From nothing: a random group, and about as many points as so few tets have."""
         sizes = np.array([len(group) for group in subgroups()])
         group = int(rng.choice(np.flatnonzero(sizes <= LARGEST_GROUP)))
-        while len(new) < STARTS:
-            if self.goal == "cwc" and rng.random() < 0.8:
-                arrangement = layered_arrangement(rng, group, int(rng.integers(1, 8)))
-            else:
-                arrangement = random_arrangement(rng, group, int(rng.integers(12, MOST_POINTS[self.goal])))
-            tried = self._descended(arrangement)
-            if tried is not None:
-                new.append(tried)
-        return min(new, key=self._score)
+        if self.goal == "cwc" and rng.random() < 0.8:
+            return layered_arrangement(rng, group, int(rng.integers(1, 8)))
+        return random_arrangement(rng, group, int(rng.integers(self.target // 3 + 2, self.target * 2 // 3 + 4)))
 
     def _descended(self, arrangement: Arrangement, below: float = np.inf) -> Tried | None:
         """After descent; None where points met, or left the face or edge of the cube they were on, or far above."""
