@@ -10,8 +10,10 @@ import pytest
 from builders import PAPER_TETS, bcc, delaunay, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation, single
 from certifying import share_more_than_a_face
 
+import wct_plugin as wct
 from wct_plugin import bundled, cli, quality
 from wct_plugin.certificate import certify
+from wct_plugin.embedding import _crossing, _Judge
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import TetMesh
 from wct_plugin.report import make_report
@@ -115,6 +117,15 @@ def test_bundled_meshes_are_proven_as_they_are(name):
     assert found.meets("cwc") == (name not in ("cube_30", "cube_32", "cube_33"))
 
 
+def test_a_ball_of_voxels_is_proven_completely_well_centered_in_every_tet():
+    grid = np.indices((8, 8, 8)) - 3.5
+    mesh, _ = wct.apply_filter("create_from_voxels", voxels=(grid**2).sum(axis=0) <= 16, spacing=0.1)
+    found = certify(mesh)
+    assert found.meets("cwc")
+    assert found.checks["3wc"].elements == 194 * ((grid**2).sum(axis=0) <= 16).sum()
+    assert found.checks["3wc"].exactly == 0
+
+
 # --- conformity -----------------------------------------------------------------------------------------------------
 
 
@@ -150,6 +161,35 @@ def test_a_full_turn_and_a_half_is_one_too_many():
     wheel = np.array([[0, 1, 2 + k, 3 + k] for k in range(9)])
     assert certify(TetMesh(points, wheel[:5])).valid
     assert not certify(TetMesh(points, wheel)).valid
+
+
+@pytest.mark.parametrize(
+    ("triangle", "common"),
+    [
+        ([(5, 0), (9, 0), (5, 4)], False),  # apart
+        ([(3, 3), (5, 3), (3, 5)], False),  # apart, but their boxes are not
+        ([(1, 1), (2, 1), (1, 2)], True),  # one inside the other
+        ([(3, -1), (3, 3), (-1, 3)], True),  # a star of six points: no corner of one inside the other
+        ([(2, 2), (5, 2), (5, 5)], True),  # a corner on an edge
+        ([(4, 0), (8, 0), (8, 4)], False),  # a common vertex
+        ([(4, 0), (1, 1), (8, 4)], True),  # a common vertex, and more
+        ([(0, 0), (3, 0), (0, -3)], True),  # along half of an edge
+        ([(0, 0), (4, 0), (0, -4)], False),  # a common edge
+        ([(0, 0), (4, 0), (1, 1)], True),  # a common edge, folded over
+    ],
+)
+@pytest.mark.parametrize("lift", [(0, 0), (1, 2)])
+def test_two_facets_in_one_plane(triangle, common, lift):
+    """Tets on either side of a plane that share the vertices their facets there have in common."""
+    flat = np.array([(0, 0), (4, 0), (0, 4), *triangle], dtype=float)
+    base = np.column_stack([flat, flat @ lift])
+    points, number = np.unique(np.vstack([base, [1, 1, 50], [1, 1, -50]]), axis=0, return_inverse=True)
+    number = number.ravel()
+    mesh = TetMesh(points, number[[[0, 1, 2, 6], [3, 4, 5, 7]]])
+    bases = [set(number[:3].tolist()), set(number[3:6].tolist())]
+    one, other = (next(k for k, row in enumerate(mesh.topology.boundary.tolist()) if set(row) == b) for b in bases)
+    assert ([min(one, other), max(one, other)] in _crossing(mesh, _Judge(points)).tolist()) == common
+    assert certify(mesh).valid == (not common)
 
 
 def test_sound_meshes_of_every_kind_pass():
@@ -229,8 +269,6 @@ def test_in_the_report(tmp_path):
 
 
 def test_on_the_command_line(tmp_path, capsys):
-    import wct_plugin as wct
-
     for name, mesh in (("good", bcc(2)), ("bad", _joined(regular_tet(), regular_tet())), ("flat", kuhn_cube(1))):
         wct.write(tmp_path / f"{name}.vtu", mesh)
     good, bad, flat = (str(tmp_path / f"{name}.vtu") for name in ("good", "bad", "flat"))

@@ -7,7 +7,7 @@ import pytest
 from builders import jittered_cube, kuhn_cube, regular_tet
 
 from wct_plugin import mesh as mesh_module
-from wct_plugin import predicates
+from wct_plugin import signs
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import Cells, Repairs, SurfaceMesh, TetMesh
 
@@ -241,7 +241,7 @@ def test_repeated_tets_are_found_whatever_the_keys_and_chunks(monkeypatch):
     """Keys only say where to look: with ones that hardly differ, in chunks of two, the same tets are found."""
     monkeypatch.setattr(mesh_module, "_CHUNK", 2)
     monkeypatch.setattr(mesh_module, "_MIX", np.ones(4, dtype=np.uint64))
-    monkeypatch.setattr(predicates, "_CHUNK", 2)
+    monkeypatch.setattr(signs, "_CHUNK", 2)
     cube = jittered_cube(2, 0)
     turned = cube.tets.copy()
     turned[5] = turned[5, [1, 0, 2, 3]]

@@ -18,6 +18,7 @@ import click
 import wct_plugin as wct
 from wct_plugin import cli_options, pipeline_json, stage_page
 from wct_plugin.cli_create import create
+from wct_plugin.cli_report import report
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
     GOAL_MET,
@@ -27,7 +28,6 @@ from wct_plugin.cli_show import (
     out,
     print_before_after,
     print_page,
-    print_report,
     progress_bar,
     show_warning,
     table,
@@ -38,8 +38,6 @@ from wct_plugin.errors import OptionError, WctError, WctWarning
 from wct_plugin.flow import side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
-from wct_plugin.report import Report, make_report
-from wct_plugin.report_page import html
 from wct_plugin.stage import Filter, Mesh, Options, filter_names, find_filter
 from wct_plugin.step import Step, unplaced
 
@@ -47,18 +45,6 @@ from wct_plugin.step import Step, unplaced
 _OPTIMIZERS = ("meshing_well_centered", "apply_coord_well_centering")
 _MESHER = "generate_tetrahedralization"
 _MESHER_PREFIX = "mesher_"
-
-
-def _report(mesh: Mesh, worst: int, exact: bool) -> Report:
-    find_filter("get_quality").check_takes(type(mesh))
-    assert isinstance(mesh, TetMesh)
-    return make_report(mesh, worst, exact=exact)
-
-
-def _meets(report: Report, goal: str | None) -> bool:
-    if report.certificate:
-        return report.certificate.valid if goal is None else report.certificate.meets(goal)
-    return goal is None or report.flags[goal] == report.tets
 
 
 # --- commands -------------------------------------------------------------------------------------------------------
@@ -71,6 +57,7 @@ def cli() -> None:
 
 
 cli.add_command(run_pipeline)
+cli.add_command(report)
 cli.add_command(create)
 
 
@@ -160,32 +147,6 @@ def _optimizing(
     *others, last = (ReadMesh(filename=source), *made)
     steps = [*map(Step, others), Step(last, tags[0]), Step(optimizer), Step(mesh_writer, tags[1])]
     return Pipeline([*steps, *(Step(writer, inputs=tags) for writer in report_writers)])
-
-
-@cli.command()
-@click.argument("sources", metavar="FILE...", nargs=-1, required=True)
-@click.option("--json", "json_path", metavar="FILE", help="Write JSON (- for stdout): one object, or a list of them")
-@click.option("--html", "html_path", metavar="FILE", help="Write one self-contained HTML page")
-@click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
-@click.option("--goal", type=click.Choice(["3wc", "cwc"]), help="Exit with 1 unless every tet of every FILE meets it")
-@click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
-def report(
-    sources: Sequence[str], json_path: str | None, html_path: str | None, worst: int, goal: str | None, exact: bool
-) -> int:
-    """Measure tet meshes: ranges, tiers, flags, histograms, and the worst tets with their place."""
-    check_outputs(json_path, html_path)
-    reports = []
-    for source in sources:
-        reports.append(_report(wct.read(source), worst, exact))
-    if html_path:
-        write_text(html_path, html(reports, ", ".join(sources)))
-    if json_path:
-        found = [one.to_dict() for one in reports]
-        write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
-    if json_path != "-":
-        for one in reports:
-            print_report(one)
-    return GOAL_MET if all(_meets(one, goal) for one in reports) else GOAL_MISSED
 
 
 @cli.command()

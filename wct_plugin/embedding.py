@@ -37,6 +37,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
+#: Facets that are looked at together, so that checks take little memory beside the mesh.
+_BLOCK = 1 << 20
+
 
 @dataclass(frozen=True, eq=False)
 class Overlaps:
@@ -74,10 +77,13 @@ class _Judge:
 
 def _one_sided(mesh: TetMesh) -> Ints:
     """The outward orientations of a facet in its two tets differ where those lie on opposite sides."""
+    found = []
     pairs = mesh.topology.interior_pairs
-    one, other = (mesh.tets[pairs[:, [k]], FACETS[pairs[:, k + 1]]] for k in (0, 2))
-    tets: Ints = pairs[_parity(one) == _parity(other)][:, [0, 2]]
-    return tets
+    for start in range(0, len(pairs) + 1, _BLOCK):
+        part = pairs[start : start + _BLOCK]
+        one, other = (mesh.tets[part[:, [k]], FACETS[part[:, k + 1]]] for k in (0, 2))
+        found.append(part[_parity(one) == _parity(other)][:, [0, 2]])
+    return np.concatenate(found)
 
 
 def _parity(triangles: Ints) -> Bools:
