@@ -4,7 +4,7 @@ A mesh of well-centered tets is the Delaunay tetrahedralization of its vertices,
 Chains of random changes to a symmetric arrangement descend the core's energy; the best arrangement of each group and
 count of tets is kept, and chains start again from these. What comes near the goal is polished without its symmetry: the
 largest least margin that its connectivity allows. What then has clearance is rounded to as few decimals as it bears,
-and counts if these pass in rational arithmetic.
+and counts if these pass in rational arithmetic. ``docs/records.md`` tells what was found and what came near.
 
 Run it: ``python examples/cube_search.py --goal cwc --fewer-than 84 --chains 1000 --state cwc.json``, and again to go
 on, also after it was killed. The same options and seed find the same. Findings are lines of JSON in
