@@ -132,6 +132,15 @@ def sphere_surface(count: int, radius: float = 1.0) -> SurfaceMesh:
     return SurfaceMesh(radius * points, triangles)
 
 
+def square(z: float = 0.0, n: int = 1, size: float = 1.0) -> SurfaceMesh:
+    """A flat square of 2 n^2 triangles."""
+    line = np.linspace(0.0, size, n + 1)
+    points = np.stack(np.meshgrid(line, line, [z], indexing="ij"), axis=-1).reshape(-1, 3)
+    corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    halves = np.array([[0, n + 1, n + 2], [0, n + 2, 1]])
+    return SurfaceMesh(points, (corner[:, None, None] + halves).reshape(-1, 3))
+
+
 def two_region_cube(n: int) -> TetMesh:
     """The unit cube, region 1 below z = 1/2 and region 2 above (n even)."""
     mesh = kuhn_cube(n)

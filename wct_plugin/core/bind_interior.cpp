@@ -1,4 +1,5 @@
 #include "bind_domain.h"
+#include "bind_workers.h"
 #include "bindings.h"
 
 #include "interior.h"
@@ -28,7 +29,8 @@ nb::dict to_python(const Interior &interior) {
 
 nb::dict refill_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
                        const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
-                       const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress) {
+                       const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress,
+                       unsigned threads) {
     const InputMesh mesh = mesh_of(points, tets, region);
     SurfaceData surface = surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides);
     const auto held = cells_of<2>(edges, mesh.points.size(), "edges");
@@ -52,7 +54,7 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         const Reference reference(std::move(surface));
-        interior = refill(reference, mesh, stay, held, wanted, form, monitor);
+        interior = refill(reference, mesh, stay, held, wanted, form, monitor, workers_of(threads));
     }
     return to_python(interior);
 }
@@ -64,6 +66,7 @@ void bind_interior(nb::module_ &m) {
         "refill", &refill_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"), nb::arg("pinned"),
         nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"), nb::kw_only(),
         nb::arg("size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+        nb::arg("threads") = 0,
         "Fill a mesh anew between its surface facets, which stay: points, tets, region per tet >= 0; pinned points,\n"
         "facets (f, 3) with their patch (f,), sides (patches, 2) as in resample, edges (e, 2) that stay. size: wanted\n"
         "edge length per point; without it the new mesh has up to twice the tets. progress(done, bad) returns False\n"

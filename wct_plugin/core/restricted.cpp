@@ -82,34 +82,39 @@ std::array<int, 3> Complex::facet(int t, int i) const {
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
 
-Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map) {
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                            const Workers &workers) {
     Complex complex{delaunay(cloud.points), {}};
-    complex.region.resize(complex.all.tets.size());
-    std::vector<int> resting;
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
-        const auto &tet = complex.all.tets[t];
-        int on_surface = 0;
-        int inner = -1;
-        for (const int v : tet)
-            if (cloud.role[v] == Stratum::interior)
+    const auto &tets = complex.all.tets;
+    complex.region.resize(tets.size());
+    std::vector<char> rests(tets.size(), 0); // all corners on the surface, and not flat
+    workers.for_each(tets.size(), 1024, [&](std::size_t t) {
+        int on_surface = 0, inner = -1, near = -1;
+        for (const int v : tets[t])
+            if (cloud.role[v] == Stratum::interior) {
                 inner = v;
-            else
+            } else {
                 ++on_surface;
+                near = std::max(near, cloud.near[v]);
+            }
         if (on_surface <= 1) {
             complex.region[t] = cloud.label[inner];
-            continue;
+            return;
         }
-        if (on_surface == 4 && flatness(cloud.points, tet) < kFlat) {
+        if (on_surface == 4 && flatness(cloud.points, tets[t]) < kFlat) {
             complex.region[t] = -1;
-            continue;
+            return;
         }
         Vec3 center;
-        for (const int v : tet)
+        for (const int v : tets[t])
             center += 0.25 * cloud.points[v];
-        complex.region[t] = map.region(center);
-        if (on_surface == 4 && complex.region[t] >= 0)
+        complex.region[t] = map.region(center, reference.nearest(center, -1, near));
+        rests[t] = on_surface == 4 && complex.region[t] >= 0;
+    });
+    std::vector<int> resting;
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        if (rests[t])
             resting.push_back(static_cast<int>(t));
-    }
     peel(cloud, reference, complex, std::move(resting));
     return complex;
 }

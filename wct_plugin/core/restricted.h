@@ -30,7 +30,8 @@ struct Complex {
 };
 
 /// Delaunay, each tet labelled by where its centroid lies; flat tets on the boundary taken off.
-Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map);
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                            const Workers &workers);
 
 /// What is wrong with the surfaces of a complex.
 struct Flaws {
