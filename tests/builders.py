@@ -94,6 +94,13 @@ def jittered_cube(n: int, seed: int = 0, amount: float = 0.25) -> TetMesh:
     return delaunay((points + shift) / n)
 
 
+def shaken_cube(n: int, seed: int = 0, amount: float = 0.25) -> TetMesh:
+    """The unit cube's Kuhn grid, all points shifted by up to ``amount`` cells: not Delaunay, many duals negative."""
+    mesh = kuhn_cube(n)
+    shift = np.random.default_rng(seed).uniform(-amount / n, amount / n, mesh.points.shape)
+    return TetMesh(mesh.points + shift, mesh.tets)
+
+
 def delaunay(points: Floats, flattest: float = 1e-9) -> TetMesh:
     """Delaunay of points, without tets flatter than ``flattest`` (volume over cube of longest edge) on the hull."""
     tets = Delaunay(points).simplices.astype(np.int64)
@@ -130,6 +137,15 @@ def sphere_surface(count: int, radius: float = 1.0) -> SurfaceMesh:
     inward = np.linalg.det(corners) < 0
     triangles[inward] = triangles[inward][:, ::-1]
     return SurfaceMesh(radius * points, triangles)
+
+
+def square(z: float = 0.0, n: int = 1, size: float = 1.0) -> SurfaceMesh:
+    """A flat square of 2 n^2 triangles."""
+    line = np.linspace(0.0, size, n + 1)
+    points = np.stack(np.meshgrid(line, line, [z], indexing="ij"), axis=-1).reshape(-1, 3)
+    corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    halves = np.array([[0, n + 1, n + 2], [0, n + 2, 1]])
+    return SurfaceMesh(points, (corner[:, None, None] + halves).reshape(-1, 3))
 
 
 def two_region_cube(n: int) -> TetMesh:

@@ -157,7 +157,7 @@ def test_another_filter_by_name(cube, tmp_path, capsys):
 
 def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
     cli.run(["optimize", str(cube), str(tmp_path / "out.vtu"), "--goal", "3wc", "--json", "-"])
-    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters"}
+    assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters", "provenance"}
 
 
 def on_a_terminal(folder, arguments, interrupt_at=None):
@@ -235,6 +235,33 @@ def test_report_json_of_one_and_of_several(cube, capsys):
     assert one["tets"] == len(CUBE.tets)
     assert cli.run(["report", str(cube), str(cube), "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out) == [one, one]
+
+
+def test_several_reports_stand_side_by_side(cube, tmp_path, capsys):
+    wct.write(tmp_path / "bcc.vtu", bcc(2))
+    assert cli.run(["report", str(cube), str(tmp_path / "bcc.vtu")]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"\n +1: cube.vtu +2: bcc.vtu", printed)
+    assert re.search(rf"tets +{len(CUBE.tets)} +{len(bcc(2).tets)} *\n", printed)
+    assert re.search(r"CWC +no +yes *\n", printed)
+    bars = printed.partition("Smallest h/R of each tet: 1: cube.vtu; 2: bcc.vtu\n")[2].partition("Largest")[0]
+    counts = [re.findall(r" (\d+)\b", line)[-2:] for line in bars.splitlines()]
+    assert [sum(int(pair[k]) for pair in counts) for k in (0, 1)] == [len(CUBE.tets), len(bcc(2).tets)]
+    assert "Worst tets, 2: bcc.vtu" in printed
+
+
+@pytest.mark.parametrize("suffix", ["stl", "vtu"])
+def test_report_measures_against_a_surface_or_a_meshs_boundary(suffix, cube, tmp_path, capsys):
+    larger = replace(CUBE, points=1.1 * CUBE.points)
+    wct.write(tmp_path / f"larger.{suffix}", larger if suffix == "vtu" else larger.boundary_surface())
+    assert cli.run(["report", str(cube), "--json", "-", "--reference", str(tmp_path / f"larger.{suffix}")]) == 0
+    found = json.loads(capsys.readouterr().out)["deviation"]
+    assert found["max"] == pytest.approx(0.1 * np.sqrt(3.0))
+
+
+def test_report_needs_a_file(capsys):
+    assert cli.run(["report"]) == 2
+    assert "Missing argument 'FILE...'" in capsys.readouterr().err
 
 
 def test_report_goal_decides_the_exit_code(cube, tmp_path, capsys):
@@ -365,7 +392,7 @@ def test_a_full_disk(small_disk, tmp_path, capsys, suffix):
 
 
 def test_a_crash_of_ours_is_one_line_too(cube, capsys, monkeypatch):
-    monkeypatch.setattr("wct_plugin.cli.make_report", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("wct_plugin.cli_report.make_report", lambda *_, **__: 1 / 0)
     assert "internal error, please report it: ZeroDivisionError" in refused(capsys, "report", cube)
 
 

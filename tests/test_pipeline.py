@@ -168,7 +168,7 @@ def test_branches_by_tags(place):
     assert result["twice"].flow.written == "twice.vtu"
     assert json.loads((place / "once.json").read_text())["volume"] == pytest.approx(1.0)
     both = json.loads((place / "both.json").read_text())
-    assert list(both) == ["raw", "twice", "filters"]
+    assert list(both) == ["raw", "twice", "filters", "provenance"]
     assert [both[tag]["volume"] for tag in ("raw", "twice")] == pytest.approx([1.0, 8.0])
     assert both["filters"] == {"scale": {"by": 2.0}}
     with pytest.raises(OptionError, match=r"no stage has the tag 'rew'; did you mean 'raw'\? \(tags: raw, twice\)"):
@@ -364,7 +364,7 @@ def test_a_stage_that_makes_its_mesh_begins_a_pipeline_or_a_branch(place):
     branch = Pipeline([Step(Make(), tag="made")])
     both = wct.Reader("cube.vtu", tag="read") | branch | wct.Writer("both.json", inputs=["read", "made"])
     both.execute()
-    assert set(json.loads((place / "both.json").read_text())) == {"read", "made", "filters"}
+    assert set(json.loads((place / "both.json").read_text())) == {"read", "made", "filters", "provenance"}
 
 
 def test_a_stage_that_makes_its_mesh_takes_none(place):

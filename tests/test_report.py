@@ -1,21 +1,19 @@
-"""The report: its numbers, their formats, the JSON-able dict, the terminal's lines and the HTML page."""
+"""The report: its numbers, their formats, the JSON-able dict and the terminal's lines."""
 
 import json
-import re
-import sys
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 from builders import PAPER_TETS, ball, bcc, jittered_cube, kuhn_cube, rotation, single, two_region_cube
 
 from wct_plugin import quality
-from wct_plugin.errors import WctError
+from wct_plugin.duals import duals
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.negative_duals import negative_duals
 from wct_plugin.remaining import remaining
-from wct_plugin.report import make_report, text_histogram
-from wct_plugin.report_page import html
+from wct_plugin.report import make_report
+from wct_plugin.report_text import text_histogram, text_histograms
 from wct_plugin.surface import strata
 
 
@@ -62,13 +60,14 @@ def test_dict_of_a_mesh():
         assert found[name] == {"count": mask.sum(), "percent": pytest.approx(100.0 * mask.mean())}
     assert found["tier"] == "Delaunay"
     assert found["tiers"] == {"valid": True, "Delaunay": True, "one-sided": False, "3WC": False, "CWC": False}
-    for name, total in (("h/R", 1), ("face_angle", 1), ("dihedral_angle", 6)):
+    for name, total in (("h/R", 1), ("face_angle", 1), ("dihedral_angle", 6), ("R/l", 1)):
         histogram = found["histograms"][name]
         assert len(histogram["edges"]) == len(histogram["counts"]) + 1
         assert sum(histogram["counts"]) == total * len(mesh.tets)
     negative = np.array(found["histograms"]["h/R"]["counts"])[np.array(found["histograms"]["h/R"]["edges"])[1:] <= 0]
     assert negative.sum() == (measured.min_height < 0).sum()
-    assert found["deviation"] is None
+    assert found["deviation"] is found["tolerance"] is None
+    assert found["negative_duals"] == negative_duals(mesh, duals(mesh)).to_dict()
     assert sum(row["tets"] for row in found["bad_by_place"].values()) == len(mesh.tets)
     assert sum(row["not_3wc"] for row in found["bad_by_place"].values()) == (~measured.well_centered_3).sum()
     assert sum(row["not_cwc"] for row in found["bad_by_place"].values()) == (~measured.completely_well_centered).sum()
@@ -115,8 +114,9 @@ def test_what_a_filter_found_goes_in_as_it_is():
     of = strata(mesh)
     left = remaining(mesh, of, quality.measure(mesh), goal="cwc", boundary="keep", crease_angle=40.0, stopped=False)
     apart = {"fraction_of_diagonal": 0.25}
-    report = make_report(mesh, found={"deviation": apart, "remaining": left, "tets": 3})
+    report = make_report(mesh, found={"deviation": apart, "tolerance": 0.3, "remaining": left, "tets": 3})
     found = report.to_dict()
+    assert found["tolerance"] == 0.3
     assert (found["deviation"], found["remaining"], found["shape"]) == (apart, left, None)
     assert found["tets"] == len(mesh.tets)
     assert dict(report.rows_summary())["deviation / diagonal"] == "2.50e-01"
@@ -125,13 +125,11 @@ def test_what_a_filter_found_goes_in_as_it_is():
     assert len(rows) == 5
     assert all(len(row) == len(head) for row in rows)
     assert "the worst" not in report.left(most=10_000)[0]
-    assert title.partition(";")[0] in html([report], "t")
     assert make_report(bcc(2)).left() is None
     assert report.notes == make_report(mesh).notes == ()
     volumes = {tag: {"before": 1.0, "after": 1.1, "change": 0.1} for tag in "12"}
     told = make_report(mesh, found={"volumes": volumes, "interfaces": {"1|2": None}})
     assert told.notes == ("region 1: volume +10.000 %; region 2: volume +10.000 %; interface 1|2: lost",)
-    assert told.notes[0] in html([told], "t")
     assert make_report(mesh).to_dict()["remaining"] is None
 
 
@@ -178,92 +176,20 @@ def test_rows_for_the_terminal():
     assert summary["deviation / diagonal"] == "-"
     other = make_report(ball(3)).rows_summary()
     assert [name for name, _ in other] == list(summary)
-    titles = [title for title, _ in report.text_histograms()]
-    assert len(titles) == len(set(titles)) == 3
+    titles = [title for title, _ in text_histograms([report])]
+    assert len(titles) == len(set(titles)) == 4
 
 
 def test_text_histogram():
     edges, counts = np.linspace(0.0, 5.0, 6), np.array([0, 8, 0, 1, 0])
-    assert text_histogram(edges, counts, "°", width=2) == ["1° ██ 8", "2°    0", "3° ▎  1"]
-    assert text_histogram(np.array([-0.5, 0.0, 0.5]), np.array([1, 1]), width=1) == ["-0.50 █ 1", " 0.00 █ 1"]
-    assert text_histogram(edges, np.zeros(5, dtype=int)) == []
-    tiny = text_histogram(edges, np.array([1, 0, 0, 0, 10**9]))
+    assert text_histogram(edges, [counts], "°", width=2) == ["1° ██ 8", "2°    0", "3° ▎  1"]
+    assert text_histogram(np.array([-0.5, 0.0, 0.5]), [np.array([1, 1])], width=1) == ["-0.50 █ 1", " 0.00 █ 1"]
+    assert text_histogram(edges, [np.zeros(5, dtype=int)]) == []
+    both = text_histogram(edges, [counts, np.array([16, 0, 0, 0, 4])], width=2)
+    assert both == ["0    0 ██ 16", "1 ██ 8    0", "2    0    0", "3 ▎  1    0", "4    0 ▌  4"]
+    tiny = text_histogram(edges, [np.array([1, 0, 0, 0, 10**9])])
     assert "▏" in tiny[0]  # anything above zero shows
     assert "▏" not in tiny[1]
-
-
-class Page(HTMLParser):
-    """Checks that tags balance; collects text and attributes."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.text, self.attributes = [], [], []
-        self.feed(text)
-        self.close()
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        self.attributes += [(tag, *pair) for pair in attrs]
-        if tag not in ("meta", "br"):
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attrs):
-        self.attributes += [(tag, *pair) for pair in attrs]
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        self.text.append(data)
-
-
-def test_html_page_is_whole_and_needs_nothing_else():
-    before = make_report(replace(jittered_cube(3), source="/data/a <b>&$x$.vtu"), worst=3)
-    after = make_report(replace(bcc(2), source="/data/out.vtu"), worst=2)
-    text = html([before, after], "a <b> & c")
-    page = Page(text)
-    shown = " ".join(" ".join(page.text).split())
-    assert "a <b> & c" in shown
-    assert "<b>" not in text
-    assert "1: a <b>&$x$.vtu" in shown
-    assert "2: out.vtu" in shown
-    assert "data/" not in text  # names only, no paths of the machine it was made on
-    for expected in ("3WC", "one-sided", "100.000 %", "0.316", "Where the bad tets are", "corner", "min", "not CWC"):
-        assert expected in shown
-    assert text.count("<svg") == 1
-    assert "currentColor" in text
-    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", text)
-    assert not re.search(r"url\((?!#)|@import|<script|<link", text)
-    links = {
-        value for _, name, value in page.attributes if name.startswith("xmlns") is False and "http" in (value or "")
-    }
-    assert links == set()
-    assert text == html([before, after], "a <b> & c")  # the same reports, the same page
-
-
-@pytest.mark.parametrize("count", [1, 3])
-def test_html_of_any_number_of_reports(count):
-    reports = [make_report(bcc(2), worst=0) for _ in range(count)]
-    page = Page(html(reports, "t"))
-    heads = [data for data in page.text if re.fullmatch(r"\d: mesh", data)]
-    assert {f"{k + 1}: mesh" for k in range(count)} == set(heads)
-    assert "Worst tets" not in " ".join(page.text)
-
-
-def test_html_of_nothing_and_without_matplotlib(monkeypatch):
-    with pytest.raises(ValueError, match="at least one"):
-        html([], "t")
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(WctError, match=r"pip install 'wct_plugin\[report\]'"):
-        html([make_report(bcc(2))], "t")
-
-
-def test_pages_leave_no_trace_in_matplotlib():
-    import matplotlib as mpl
-
-    before = dict(mpl.rcParams)
-    html([make_report(bcc(2))], "t")
-    assert dict(mpl.rcParams) == before
 
 
 def test_the_mesh_is_not_changed():

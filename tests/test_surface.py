@@ -11,6 +11,7 @@ from builders import (
     rotation,
     single,
     sphere_surface,
+    square,
     two_region_cube,
 )
 from scipy.spatial import ConvexHull
@@ -269,15 +270,6 @@ def test_enclosed_volume():
         assert enclosed_volume(mesh.points, boundary) == pytest.approx(total)
         assert enclosed_volume(mesh.points + 1e6, boundary) == pytest.approx(total, rel=1e-8)
         assert enclosed_volume(mesh.points, boundary[:, ::-1]) == pytest.approx(-total)
-
-
-def square(z=0.0, n=1, size=1.0):
-    """A flat square of 2 n^2 triangles."""
-    line = np.linspace(0.0, size, n + 1)
-    points = np.stack(np.meshgrid(line, line, [z], indexing="ij"), axis=-1).reshape(-1, 3)
-    corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
-    halves = np.array([[0, n + 1, n + 2], [0, n + 2, 1]])
-    return SurfaceMesh(points, (corner[:, None, None] + halves).reshape(-1, 3))
 
 
 def test_shifted_planes():

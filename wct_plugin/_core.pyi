@@ -2,6 +2,9 @@
 
 Arrays are C-contiguous, float64 for coordinates and int64 for indices unless stated; a wrong type, shape or index
 raises ValueError. Inputs are never changed. The interpreter is free to run other threads meanwhile.
+
+``threads`` is how many a function works with at most; 0 means OMP_NUM_THREADS, or one per core where that is not set.
+The results are the same bits whatever it is.
 """
 
 from collections.abc import Callable
@@ -215,6 +218,7 @@ def resample(
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
     gap: float = 1.0,
+    threads: int = 0,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
 
@@ -242,6 +246,7 @@ def refill(
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
+    threads: int = 0,
 ) -> RefilledArrays:
     """Fill a mesh anew between its surface facets, which stay.
 
@@ -292,6 +297,7 @@ def conform(
     effort: int = 1,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
+    threads: int = 0,
 ) -> ConformedArrays:
     """Make a mesh Delaunay, and one-sided, with its surface vertices where they are.
 
@@ -347,9 +353,26 @@ def search_well_centered(
     """
 
 def closest_points(
-    surface_points: NDArray[np.float64], triangles: NDArray[np.int64], queries: NDArray[np.float64]
+    surface_points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    queries: NDArray[np.float64],
+    threads: int = 0,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
     """Nearest points (q, 3) of a triangle surface, the triangles (q,) they lie on and the distances (q,)."""
+
+def farthest_sample(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    step: float,
+    surface_points: NDArray[np.float64],
+    surface_triangles: NDArray[np.int64],
+    threads: int = 0,
+) -> tuple[float, tuple[float, float, float]]:
+    """The sample of one triangle surface that is farthest from another: its distance and where it is.
+
+    Samples are the corners and, regularly, points inside the triangles and on their edges, neighbours at most ``step``
+    apart; 0 for the corners alone.
+    """
 
 def surface_curvatures(
     surface_points: NDArray[np.float64], triangles: NDArray[np.int64], patch: NDArray[np.int64]

@@ -17,9 +17,13 @@ import click
 
 import wct_plugin as wct
 from wct_plugin import cli_options, pipeline_json, stage_page
+from wct_plugin.cli_batch import batch
 from wct_plugin.cli_create import create
+from wct_plugin.cli_group import Commands, completion
+from wct_plugin.cli_report import report
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
+    FAILED,
     GOAL_MET,
     GOAL_MISSED,
     check_outputs,
@@ -27,20 +31,16 @@ from wct_plugin.cli_show import (
     out,
     print_before_after,
     print_page,
-    print_report,
     progress_bar,
     show_warning,
     table,
     write_text,
 )
 from wct_plugin.ends import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
-from wct_plugin.errors import OptionError, WctError, WctWarning
+from wct_plugin.errors import OptionError, WctError, WctWarning, one_line
 from wct_plugin.flow import side_by_side
-from wct_plugin.goals import DUAL
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
-from wct_plugin.report import Report, make_report
-from wct_plugin.report_page import html
 from wct_plugin.stage import Filter, Mesh, Options, filter_names, find_filter
 from wct_plugin.step import Step, unplaced
 
@@ -50,31 +50,24 @@ _MESHER = "generate_tetrahedralization"
 _MESHER_PREFIX = "mesher_"
 
 
-def _report(mesh: Mesh, worst: int, exact: bool) -> Report:
-    find_filter("get_quality").check_takes(type(mesh))
-    assert isinstance(mesh, TetMesh)
-    return make_report(mesh, worst, exact=exact)
-
-
-def _meets(report: Report, goal: str | None) -> bool:
-    if report.certificate:
-        return report.certificate.valid if goal is None else report.certificate.meets(goal)
-    if goal in DUAL:
-        return report.tiers.delaunay if goal == "delaunay" else report.tiers.one_sided
-    return goal is None or report.flags[goal] == report.tets
+def _complete_filter(_context: click.Context, _param: click.Parameter, begun: str) -> list[str]:
+    return [name for name in filter_names() if name.startswith(begun)]
 
 
 # --- commands -------------------------------------------------------------------------------------------------------
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="wct_plugin")
 def cli() -> None:
     """Make tetrahedral meshes well-centered, and say how well-centered they are."""
 
 
 cli.add_command(run_pipeline)
+cli.add_command(report)
 cli.add_command(create)
+cli.add_command(batch)
+cli.add_command(completion)
 
 
 @cli.command()
@@ -166,39 +159,7 @@ def _optimizing(
 
 
 @cli.command()
-@click.argument("sources", metavar="FILE...", nargs=-1, required=True)
-@click.option("--json", "json_path", metavar="FILE", help="Write JSON (- for stdout): one object, or a list of them")
-@click.option("--html", "html_path", metavar="FILE", help="Write one self-contained HTML page")
-@click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
-@click.option(
-    "--goal",
-    type=click.Choice(["delaunay", "one-sided", "3wc", "cwc"]),
-    help="Exit with 1 unless every FILE meets it, 3wc and cwc with every tet",
-)
-@click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
-def report(
-    sources: Sequence[str], json_path: str | None, html_path: str | None, worst: int, goal: str | None, exact: bool
-) -> int:
-    """Measure tet meshes: ranges, tiers, flags, histograms, and the worst tets with their place."""
-    if exact and goal == "one-sided":
-        raise OptionError("--exact proves no dual area: use --goal one-sided without it, or delaunay or 3wc with it")
-    check_outputs(json_path, html_path)
-    reports = []
-    for source in sources:
-        reports.append(_report(wct.read(source), worst, exact))
-    if html_path:
-        write_text(html_path, html(reports, ", ".join(sources)))
-    if json_path:
-        found = [one.to_dict() for one in reports]
-        write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
-    if json_path != "-":
-        for one in reports:
-            print_report(one)
-    return GOAL_MET if all(_meets(one, goal) for one in reports) else GOAL_MISSED
-
-
-@cli.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=_complete_filter)
 @click.option("--json", "json_path", metavar="FILE", help="Write the declarations as JSON schema (- for stdout)")
 @click.option("--markdown", "markdown_path", metavar="FILE", help="Write the filters' pages as Markdown (- for stdout)")
 def filters(name: str | None, json_path: str | None, markdown_path: str | None) -> int:
@@ -242,13 +203,15 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return fail(error.format_message())
     except WctError as error:
         return fail(str(error))
+    except BrokenPipeError:  # whoever read stdout has read enough, as head does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except (KeyboardInterrupt, click.Abort):
         return fail("interrupted; nothing was written")
     except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
         if os.environ.get("WCT_TRACEBACK"):
             raise
-        where = " ".join(["internal error", *getattr(error, "__notes__", [])])
-        return fail(f"{where}, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
+        return fail(f"{one_line(error)} (WCT_TRACEBACK=1 shows where)")
     return code if isinstance(code, int) else GOAL_MET
 
 

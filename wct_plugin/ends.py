@@ -14,7 +14,7 @@ from wct_plugin.adapters import formats, meshio
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.flow import Flow, side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.result import plain
+from wct_plugin.result import environment, options_of, plain
 from wct_plugin.stage import Kind, Mesh, O_co, Options, Stage, check_kind
 
 _REPORTS = (".html", ".json")
@@ -43,6 +43,7 @@ class Writer(Stage[O_co]):
 
     family = "writers"
     many: ClassVar[bool] = False  #: whether it takes several meshes at once
+    reserved: ClassVar[frozenset[str]] = frozenset()  #: tags that these cannot have
 
     @property
     @abstractmethod
@@ -155,14 +156,15 @@ class ReportOptions(FileOptions):
 class WriteReport(Writer[ReportOptions]):
     """Write the report of a tet mesh, or of several side by side, as an HTML page or as JSON, and hand the last one on.
 
-    JSON of one mesh is the object that ``wct report --json`` gives. JSON of several has the reports under their tags
-    and under ``filters`` the metrics of the filters that the last one came through. All are measured against the
-    reference of the last one.
+    JSON of one mesh is the object that ``wct report --json`` gives. JSON of several has the reports under their tags,
+    and of the last one under ``filters`` the metrics of the filters it came through and under ``provenance`` its
+    stages with options and seconds, and the versions. All are measured against the reference of the last one.
     """
 
     name = "report"
     declaration = ReportOptions
     many = True
+    reserved = frozenset({"filters", "provenance"})  # beside the tags in the JSON
 
     @property
     def filename(self) -> str:  # noqa: D102
@@ -186,14 +188,41 @@ class WriteReport(Writer[ReportOptions]):
         return flow
 
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
-        reports = side_by_side(flows, self.options.worst)
         if self._is_page():
-            sources = [one.source for one in reports.values() if one.source]
-            text = report_page.html(list(reports.values()), " → ".join(sources))
+            text = _page(flows, self.options.worst)
         else:
             text = json.dumps(report_content(flows, self.options.worst), indent=2)
         with files.replacing(self.filename) as temporary:
             temporary.write_text(text, encoding="utf-8")
+
+
+def _page(flows: Mapping[str, Flow], worst: int) -> str:
+    reports = side_by_side(flows, worst)
+    sources = [Path(one.source).name for one in reports.values() if one.source]
+    return report_page.html(
+        list(reports.values()),
+        " → ".join(sources) or "Report",
+        names=list(reports),
+        meshes=[flow.mesh for flow in flows.values() if isinstance(flow.mesh, TetMesh)],
+        made=provenance(list(flows.values())[-1]),
+    )
+
+
+def provenance(flow: Flow) -> dict[str, Any]:
+    """How a mesh was made, ready for JSON: the stages it came through with options and seconds, and the versions."""
+    return {
+        "stages": [
+            {
+                "type": one.stage.type(),
+                "options": options_of(one.stage),
+                "given": sorted(one.stage.options.model_fields_set),
+                "mesh": one.size,
+                "seconds": one.seconds,
+            }
+            for one in flow.history
+        ],
+        **environment(),
+    }
 
 
 def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]:
@@ -201,7 +230,8 @@ def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]
     reports = {name: one.to_dict() for name, one in side_by_side(flows, worst).items()}
     if len(reports) == 1:
         return next(iter(reports.values()))
-    return {**reports, "filters": plain(list(flows.values())[-1].metrics)}
+    last = list(flows.values())[-1]
+    return {**reports, "filters": plain(last.metrics), "provenance": provenance(last)}
 
 
 #: Every reader and writer by type.

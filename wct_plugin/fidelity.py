@@ -35,9 +35,9 @@ def fidelity(old: TetMesh, new: TetMesh, surface: SurfaceMesh | None) -> Fidelit
     diagonal = target.diagonal
     before, after = _interfaces(old), _interfaces(new)
     return {
-        "deviation": deviation(new.boundary_surface(), target).to_dict(diagonal),
+        "deviation": deviation(new.boundary_surface(), target, compiled=True).to_dict(diagonal),
         "interfaces": {
-            name: deviation(after[name], one).to_dict(diagonal) if name in after else None
+            name: deviation(after[name], one, compiled=True).to_dict(diagonal) if name in after else None
             for name, one in before.items()
         },
         "volumes": _volumes(old, new),

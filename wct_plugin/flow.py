@@ -8,7 +8,16 @@ import numpy as np
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.report import Report, make_report
-from wct_plugin.stage import Filter, Mesh, Metrics, Options, find_filter
+from wct_plugin.stage import Filter, Mesh, Metrics, Options, Stage, find_filter
+
+
+@dataclass(frozen=True)
+class Passed:
+    """A reader or filter that a mesh came through."""
+
+    stage: Stage[Options]
+    seconds: float
+    size: str  #: of the mesh it gave, in words
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,9 +28,15 @@ class Flow:
     metrics: Mapping[str, Metrics] = field(default_factory=dict)  #: of each filter the mesh came through, by its name
     found: Mapping[str, Any] = field(default_factory=dict)  #: metrics of the filter that measured the mesh
     written: str = ""  #: the file that holds the mesh, once it is written
+    history: tuple[Passed, ...] = ()  #: the stages it came through, the first first
     _reports: dict[tuple[int, int], Report] = field(default_factory=dict, repr=False)
 
-    def through(self, stage: Filter[Options], mesh: Mesh, metrics: Metrics) -> "Flow":
+    @classmethod
+    def of(cls, stage: Stage[Options], mesh: Mesh, seconds: float) -> "Flow":
+        """The flow behind the reader ``stage``."""
+        return cls(mesh, history=(Passed(stage, seconds, size(mesh)),))
+
+    def through(self, stage: Filter[Options], mesh: Mesh, metrics: Metrics, seconds: float = 0.0) -> "Flow":
         """The flow behind the filter ``stage``, which gave ``mesh`` and ``metrics``."""
         key, count = stage.name, 1
         while key in self.metrics:
@@ -32,11 +47,12 @@ class Flow:
             found = metrics
         elif _same_shape(self.mesh, mesh):
             found = self.found
-        return Flow(mesh, {**self.metrics, key: metrics}, found)
+        history = (*self.history, Passed(stage, seconds, size(mesh)))
+        return Flow(mesh, {**self.metrics, key: metrics}, found, history=history)
 
     def into(self, file: str) -> "Flow":
         """The flow behind a writer of ``file``, which is what reports call the mesh from there on."""
-        return Flow(self.mesh, self.metrics, self.found, file)
+        return replace(self, written=file, _reports={})
 
     def report(self, worst: int = 10, reference: SurfaceMesh | None = None) -> Report:
         """The report of the mesh, made once; ``reference`` takes the place of the mesh's own, if given.
@@ -61,6 +77,12 @@ def side_by_side(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Report
     last = list(flows.values())[-1].mesh
     reference = last.reference if isinstance(last, TetMesh) else None
     return {name: flow.report(worst, reference) for name, flow in flows.items()}
+
+
+def size(mesh: Mesh) -> str:
+    """How large a mesh is, in words."""
+    cells = f"{len(mesh.tets)} tets" if isinstance(mesh, TetMesh) else f"{len(mesh.triangles)} triangles"
+    return f"{cells}, {len(mesh.points)} points"
 
 
 def _same_shape(one: Mesh, other: Mesh) -> bool:

@@ -106,14 +106,13 @@ class Pipeline:
         flows = _read(steps, wires, seconds)
         for index in order(steps, wires):
             stage = stages[index]
-            with _timed(seconds, index):
-                if isinstance(stage, Filter):
-                    before = flows[wires[index][0]] if wires[index] else None
-                    with _named(steps, index):
-                        mesh, metrics[index] = stage(before.mesh if before else None, progress)
-                    flows[index] = (before or Flow(mesh)).through(stage, mesh, metrics[index])
-                elif isinstance(stage, Writer):
-                    flows[index] = stage.pass_on(flows[wires[index][-1]])
+            if isinstance(stage, Filter):
+                before = flows[wires[index][0]] if wires[index] else None
+                with _timed(seconds, index), _named(steps, index):
+                    mesh, metrics[index] = stage(before.mesh if before else None, progress)
+                flows[index] = (before or Flow(mesh)).through(stage, mesh, metrics[index], seconds[index])
+            elif isinstance(stage, Writer):
+                flows[index] = stage.pass_on(flows[wires[index][-1]])
         for index, stage in enumerate(stages):
             if isinstance(stage, Writer):
                 with _timed(seconds, index):
@@ -134,7 +133,8 @@ def _read(steps: Sequence[Step], wires: Sequence[Sequence[int]], seconds: list[f
     for index, step in enumerate(steps):
         if isinstance(step.stage, Reader):
             with _timed(seconds, index):
-                flows[index] = Flow(step.stage.read())
+                mesh = step.stage.read()
+            flows[index] = Flow.of(step.stage, mesh, seconds[index])
     _follow(steps, wires, {index: frozenset({type(flow.mesh)}) for index, flow in flows.items()})
     return flows
 

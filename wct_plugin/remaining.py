@@ -148,3 +148,17 @@ def rows(found: Remaining, most: int) -> list[tuple[str, ...]]:
         )
         for tet in found["tets"][:most]
     ]
+
+
+#: Columns of :func:`kinds`.
+KINDS = ("class", "tets", "misses", "what would free them", "provably bad")
+
+
+def kinds(found: Remaining) -> list[tuple[str, ...]]:
+    """How many tets there are of each class that miss the same and that the same option would free, most first."""
+    counts = Counter((tet["place"], tet["misses"], tet["option"]) for tet in found["tets"])
+    proven = Counter((tet["place"], tet["misses"], tet["option"]) for tet in found["tets"] if tet["proof"])
+    return [
+        (place, str(count), misses, option, str(proven[place, misses, option]))
+        for (place, misses, option), count in counts.most_common()
+    ]

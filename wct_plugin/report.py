@@ -1,8 +1,9 @@
 """What a mesh is like, in numbers: as a dict for JSON, as rows and bars for a terminal."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -12,32 +13,35 @@ from wct_plugin import certificate, duals, fidelity, quality, remaining, shape_f
 from wct_plugin.certificate import Certificate
 from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
+from wct_plugin.negative_duals import NegativeDuals, negative_duals
 from wct_plugin.quality import Quality
 from wct_plugin.remaining import Remaining
 from wct_plugin.shape_floor import ShapeFloor
 from wct_plugin.surface import PLACES
 
-#: Bin edges of the histograms: smallest h/R of a tet, its largest face angle, all its dihedral angles.
+#: Bin edges of the histograms: smallest h/R of a tet, its largest face angle, all its dihedral angles, its R/l, where
+#: the last bin holds all that is larger too.
 BINS = {
     "h/R": np.linspace(-1.0, 1.0, 41),
     "face_angle": np.linspace(60.0, 180.0, 41),
     "dihedral_angle": np.linspace(0.0, 180.0, 37),
+    "R/l": np.linspace(0.6, 3.0, 49),
 }
 TITLES = {
     "h/R": "Smallest h/R of each tet",
     "face_angle": "Largest face angle of each tet",
     "dihedral_angle": "Dihedral angles",
+    "R/l": "R/ℓ of each tet",
 }
 _MEASURES = {"h/R": "h/R", "face_angle": "Face angle", "dihedral_angle": "Dihedral angle", "R/l": "R/ℓ"}
 _FLAGS = {"3wc": "3WC", "2wc": "2WC", "cwc": "CWC", "acute": "Acute"}
 _TIER_NOTES = (
     "every volume positive",
     "no vertex inside a neighbour's circumsphere",
-    "every signed dual volume positive",
+    "every dual edge positive, hence all duals inside",
     "every tet contains its circumcenter",
     "and every triangle acute",
 )
-_BLOCKS = " ▏▎▍▌▋▊▉█"
 
 
 @dataclass(frozen=True)
@@ -69,10 +73,12 @@ class Report:
     ranges: Mapping[str, tuple[float, float]]  #: min and max of h/R, face_angle, dihedral_angle (degrees), R/l
     flags: Mapping[str, int]  #: number of tets that are 3wc, 2wc, cwc, acute
     tiers: duals.Tiers
-    histograms: Mapping[str, NDArray[np.int64]]  #: counts: h/R (min per tet), face_angle (max), dihedral_angle (all)
+    negative_duals: NegativeDuals
+    histograms: Mapping[str, NDArray[np.int64]]  #: counts in :data:`BINS`
     worst: tuple[WorstTet, ...]  #: worst first, by the smaller of min h/R and the cosine of the largest face angle
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
     deviation: Mapping[str, float] | None  #: of the boundary from the reference, see :meth:`Deviation.to_dict`
+    tolerance: float | None = None  #: what the filter that made the mesh allowed of it, as a fraction of the diagonal
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
     certificate: Certificate | None = None  #: what is proven exactly, if that was asked for
@@ -95,6 +101,7 @@ class Report:
             out[name] = {"count": count, "percent": 100.0 * count / self.tets}
         out["tier"] = self.tiers.name
         out["tiers"] = {name: rank <= self.tiers.reached for rank, name in enumerate(duals.TIERS)}
+        out["negative_duals"] = self.negative_duals.to_dict()
         out["histograms"] = {
             name: {"edges": BINS[name].tolist(), "counts": counts.tolist()} for name, counts in self.histograms.items()
         }
@@ -103,8 +110,13 @@ class Report:
             name: dict(zip(("tets", "not_3wc", "not_cwc"), counts, strict=True))
             for name, counts in self.bad_by_place.items()
         }
-        out |= {"deviation": self.deviation, "remaining": self.remaining, "shape": self.shape}
-        out["certificate"] = self.certificate.to_dict() if self.certificate else None
+        out |= {
+            "deviation": self.deviation,
+            "tolerance": self.tolerance,
+            "remaining": self.remaining,
+            "shape": self.shape,
+            "certificate": self.certificate.to_dict() if self.certificate else None,
+        }
         finite: dict[str, Any] = _finite(out)
         return finite
 
@@ -176,12 +188,10 @@ class Report:
         title = remaining.title(self.remaining) + (f"; the worst {len(listed)} of them" if rest else "")
         return title, remaining.HEAD, listed
 
-    def text_histograms(self) -> list[tuple[str, list[str]]]:
-        """Title and lines of each histogram, for a terminal."""
-        return [
-            (TITLES[name], text_histogram(BINS[name], counts, "" if name == "h/R" else "°"))
-            for name, counts in self.histograms.items()
-        ]
+
+def short_names(reports: Sequence[Report]) -> list[str]:
+    """What to call each beside the others: its number and file, for the same name may be in two folders."""
+    return [f"{number}: {PurePath(one.source).name or 'mesh'}" for number, one in enumerate(reports, start=1)]
 
 
 def make_report(
@@ -224,14 +234,17 @@ def make_report(
         ranges={name: (float(low.min()), float(high.max())) for name, (low, high) in ranges.items()},
         flags={name: int(mask.sum()) for name, mask in flags.items()},
         tiers=duals.tiers(mesh, measured),
+        negative_duals=negative_duals(mesh, duals.duals(mesh)),
         histograms={
             "h/R": _counts("h/R", measured.min_height),
             "face_angle": _counts("face_angle", measured.max_face_angle),
             "dihedral_angle": _counts("dihedral_angle", quality.dihedral_angles(mesh.points, mesh.tets).ravel()),
+            "R/l": _counts("R/l", measured.radius_over_edge),
         },
         worst=_worst(mesh, measured, places, worst),
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},
         deviation=found.get("deviation") or _deviation(mesh),
+        tolerance=found.get("tolerance"),
         remaining=found.get("remaining"),
         shape=found.get("shape"),
         certificate=certificate.certify(mesh) if exact else None,
@@ -253,29 +266,11 @@ def _deviation(mesh: TetMesh) -> dict[str, float] | None:
     return deviation(mesh.boundary_surface(), mesh.reference).to_dict(mesh.reference.diagonal)
 
 
-def text_histogram(edges: NDArray[np.float64], counts: NDArray[np.int64], unit: str = "", width: int = 40) -> list[str]:
-    """One line per bin, from the first to the last that holds anything: lower end, bar of up to ``width``, count.
-
-    ``edges`` (b + 1,), ``counts`` (b,); bars are in eighths of a character, and anything above zero shows.
-    """
-    filled = np.flatnonzero(counts)
-    if not len(filled):
-        return []
-    rows = range(int(filled[0]), int(filled[-1]) + 1)
-    digits = 0 if all(float(edge).is_integer() for edge in edges) else 2
-    labels = [f"{edges[k]:.{digits}f}{unit}" for k in rows]
-    margin = max(map(len, labels))
-    eighths = [math.ceil(8 * width * int(counts[k]) / int(counts.max())) for k in rows]
-    bars = [_BLOCKS[-1] * (size // 8) + (_BLOCKS[size % 8] if size % 8 else "") for size in eighths]
-    return [
-        f"{label:>{margin}} {bar:<{width}} {int(counts[k])}" for label, bar, k in zip(labels, bars, rows, strict=True)
-    ]
-
-
 def _counts(name: str, values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Every value in a bin: those beyond the ends in the outermost, what is no number in a flat tet with the worst."""
     bins = BINS[name]
-    # Rounding may push the extremes just over the ends.
-    return np.histogram(np.clip(values[np.isfinite(values)], bins[0], bins[-1]), bins)[0].astype(np.int64)
+    worst = bins[0] if name == "h/R" else bins[-1]
+    return np.histogram(np.clip(np.nan_to_num(values, nan=worst), bins[0], bins[-1]), bins)[0].astype(np.int64)
 
 
 def _worst(mesh: TetMesh, measured: Quality, places: NDArray[np.int8], count: int) -> tuple[WorstTet, ...]:

@@ -4,6 +4,7 @@ import math
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from wct_plugin import quality
 from wct_plugin.errors import OptionError
-from wct_plugin.flow import Flow
+from wct_plugin.flow import Flow, size
 from wct_plugin.goals import DUAL, FLAGS, misses
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.stage import Mesh, Metrics, Options, Stage, did_you_mean
@@ -53,14 +54,11 @@ class StageResult:
 
     def options(self) -> dict[str, Any]:
         """Every option that counts, as the declaration itself dumps them, ready for JSON."""
-        given = self.stage.options
-        return {name: plain(getattr(given, name)) for name in given.model_dump(warnings=False)}
+        return options_of(self.stage)
 
     def size(self) -> str:
         """How large its mesh is, in words."""
-        mesh = self.flow.mesh
-        cells = f"{len(mesh.tets)} tets" if isinstance(mesh, TetMesh) else f"{len(mesh.triangles)} triangles"
-        return f"{cells}, {len(mesh.points)} points"
+        return size(self.flow.mesh)
 
     def goal(self) -> Goal | None:
         """The goal that a filter with an option of that name had, and whether its mesh meets it."""
@@ -103,8 +101,7 @@ class Result:
     def metadata(self) -> dict[str, Any]:
         """Everything but the meshes, ready for JSON: per stage options, metrics and seconds; goals; versions."""
         return {
-            "versions": {"python": platform.python_version(), **_versions()},
-            "platform": platform.platform(),
+            **environment(),
             "goal_met": self.goal_met,
             "goals": [vars(goal) for goal in self.goals],
             "stages": [
@@ -121,8 +118,16 @@ class Result:
         }
 
 
-def _versions() -> dict[str, str]:
-    found = {}
+def options_of(stage: Stage[Options]) -> dict[str, Any]:
+    """Every option that counts, as the declaration itself dumps them, ready for JSON."""
+    given = stage.options
+    return {name: plain(getattr(given, name)) for name in given.model_dump(warnings=False)}
+
+
+@cache
+def versions() -> Mapping[str, str]:
+    """Versions of Python and of the packages that change a result, as installed."""
+    found = {"python": platform.python_version()}
     for name in _PACKAGES:
         try:
             found[name] = version(name)
@@ -131,8 +136,13 @@ def _versions() -> dict[str, str]:
     return found
 
 
+def environment() -> dict[str, Any]:
+    """What a result depends on beside its input and options, ready for JSON."""
+    return {"versions": dict(versions()), "platform": platform.platform()}
+
+
 def plain(value: Any) -> Any:
-    """Numbers, strings, lists and dicts, as JSON has them; None where a number is not finite, a mesh as its size."""
+    """Numbers, strings, lists and dicts, as JSON has them; None for what is not finite, a mesh as its file or size."""
     match value:
         case Mapping():
             return {str(key): plain(item) for key, item in value.items()}
@@ -143,9 +153,9 @@ def plain(value: Any) -> Any:
         case float():
             return value if math.isfinite(value) else None
         case TetMesh():
-            return f"<tet mesh of {len(value.tets)} tets>"
+            return value.source or f"<tet mesh of {len(value.tets)} tets>"
         case SurfaceMesh():
-            return f"<surface of {len(value.triangles)} triangles>"
+            return value.source or f"<surface of {len(value.triangles)} triangles>"
         case str() | int() | None:
             return value
         case _:

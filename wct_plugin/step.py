@@ -78,6 +78,10 @@ def wire(steps: Sequence[Step]) -> list[list[int]]:
                 if one not in tags:
                     hint = did_you_mean(one, tags)
                     raise OptionError(f"{name}: unknown input {one!r}{hint} (tags: {', '.join(tags) or 'none'})")
+            if isinstance(step.stage, Writer) and (taken := sorted(step.stage.reserved.intersection(step.inputs))):
+                raise OptionError(
+                    f"{name}: no input may have the tag {taken[0]!r}, which stands for something else there"
+                )
             if len(set(step.inputs)) < len(step.inputs):
                 raise OptionError(f"{name}: an input is given twice")
             wires.append([tags[one] for one in step.inputs])

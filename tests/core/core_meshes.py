@@ -181,8 +181,8 @@ def completely_well_centered(points, tets):
     return well_centered(points, tets) & (cosines(points, tets) > 0).all(axis=1)
 
 
-def start(mesh, own, **options):
-    """What the global stage makes of a mesh near its boundary ``own``."""
+def start(mesh, own, tolerance=1e-3, **options):
+    """What the global stage makes of a mesh near its boundary ``own``; ``tolerance`` by the diagonal."""
     return _core.resample(
         own.points,
         own.strata.triangles,
@@ -194,6 +194,6 @@ def start(mesh, own, **options):
         mesh.points,
         mesh.tets,
         np.zeros(len(mesh.tets), dtype=np.int64),
-        1e-3 * own.diagonal,
+        tolerance * own.diagonal,
         **options,
     )

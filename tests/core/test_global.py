@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from builders import kuhn_cube, l_shape
+from builders import ball, kuhn_cube, l_shape
 from core_meshes import start
 
 from wct_plugin import _core
@@ -227,6 +227,16 @@ def test_same_input_same_bits():
         assert np.array_equal(runs[0][name], runs[1][name])
     other = _core.resample(**cube_surface(), points=points, tets=tets, region=region, tolerance=1e-3, seed=2)
     assert not np.array_equal(runs[0]["points"], other["points"])
+
+
+def test_any_number_of_threads_gives_the_same_bits():
+    """A curved surface and enough of it that every loop is cut into several chunks."""
+    mesh = ball(4)
+    runs = [start(mesh, own_boundary(mesh, 40.0), tolerance=2.5e-3, threads=threads) for threads in (1, 2, 3)]
+    assert len(runs[0]["points"]) > 600
+    for other in runs[1:]:
+        for name in ("points", "tets", "region", "stratum", "label", "size", "facets", "facet_patch"):
+            assert np.array_equal(runs[0][name], other[name])
 
 
 def test_two_regions_share_an_interface():

@@ -1,4 +1,5 @@
 #include "bind_domain.h"
+#include "bind_workers.h"
 #include "bindings.h"
 
 #include "conform.h"
@@ -50,7 +51,7 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
                         const Array &label, const Array &size, const Array &facets, const Array &facet_patch,
                         const Array &sides, const Array &creases, const Array &crease_curve, double tolerance,
                         const std::optional<Array> &given_points, const std::optional<Array> &given_triangles,
-                        bool one_sided, int effort, std::uint64_t seed, const nb::object &progress) {
+                        bool one_sided, int effort, std::uint64_t seed, const nb::object &progress, unsigned threads) {
     const InputMesh mesh = mesh_of(points, tets, region);
     SurfaceData surface = surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides);
     surface.segments = cells_of<2>(creases, mesh.points.size(), "creases");
@@ -83,7 +84,7 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
         std::optional<Reference> given;
         if (!other.triangles.empty())
             given.emplace(std::move(other));
-        found = conform(reference, given, mesh, role, of_point, sizes, form, monitor);
+        found = conform(reference, given, mesh, role, of_point, sizes, form, monitor, workers_of(threads));
     }
     return to_python(found);
 }
@@ -96,7 +97,7 @@ void bind_conform(nb::module_ &m) {
         nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"),
         nb::arg("creases"), nb::arg("crease_curve"), nb::arg("tolerance"), nb::kw_only(),
         nb::arg("given_points") = nb::none(), nb::arg("given_triangles") = nb::none(), nb::arg("one_sided") = true,
-        nb::arg("effort") = 1, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+        nb::arg("effort") = 1, nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
         "Make a mesh Delaunay, and one-sided, with its surface vertices where they are: points, tets, region per tet\n"
         ">= 0, stratum, label and size per point, facets (f, 3) of the surface with their patch, sides (patches, 2)\n"
         "as in resample, creases (c, 2) with their curve. tolerance: greatest distance of the new surface from the\n"

@@ -1,15 +1,23 @@
 #include "bind_domain.h"
+#include "bind_workers.h"
 #include "bindings.h"
 
+#include "farthest.h"
 #include "global_stage.h"
 #include "surface_labels.h"
+#include "triangle_tree.h"
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace nb = nanobind;
 
@@ -97,24 +105,48 @@ nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
 }
 
 /// Nearest points of a surface: points, triangles, distances.
-nb::tuple closest_arrays(const Array &surface_points, const Array &triangles, const Array &queries) {
-    SurfaceData surface = plain_surface(surface_points, "surface_points", triangles, "triangles");
-    if (surface.triangles.empty())
+nb::tuple closest_arrays(const Array &surface_points, const Array &surface_triangles, const Array &queries,
+                         unsigned threads) {
+    const std::vector<Vec3> points = points_of(surface_points, "surface_points");
+    const auto triangles = cells_of<3>(surface_triangles, points.size(), "triangles");
+    if (triangles.empty())
         throw std::invalid_argument("the surface has no triangles");
     std::vector<Vec3> at = points_of(queries, "queries");
     std::vector<int> piece(at.size());
     std::vector<double> distance(at.size());
     {
         nb::gil_scoped_release release;
-        const Reference reference(std::move(surface));
-        for (std::size_t i = 0; i < at.size(); ++i) {
-            const Foot foot = reference.nearest(at[i]);
-            at[i] = foot.point;
-            piece[i] = foot.triangle;
-            distance[i] = foot.distance;
-        }
+        const TriangleTree tree(points, triangles);
+        workers_of(threads).for_chunks(at.size(), 512, [&](std::size_t first, std::size_t last) {
+            int hint = -1;
+            for (std::size_t i = first; i < last; ++i) {
+                const auto found = tree.nearest(at[i], hint);
+                at[i] = found.point;
+                piece[i] = hint = found.triangle;
+                distance[i] = std::sqrt(found.square);
+            }
+        });
     }
     return nb::make_tuple(array_of(at), array_of<std::int64_t>(piece), array_of<double>(distance));
+}
+
+/// The farthest of the samples of one surface from another: its distance and where it is.
+nb::tuple farthest_arrays(const Array &sampled_points, const Array &sampled_triangles, double step,
+                          const Array &surface_points, const Array &surface_triangles, unsigned threads) {
+    const std::vector<Vec3> points = points_of(sampled_points, "points");
+    const auto triangles = cells_of<3>(sampled_triangles, points.size(), "triangles");
+    const std::vector<Vec3> on = points_of(surface_points, "surface_points");
+    const auto facets = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
+    if (triangles.empty() || facets.empty())
+        throw std::invalid_argument("the surface has no triangles");
+    if (!(step >= 0.0))
+        throw std::invalid_argument("step must not be negative");
+    Farthest found;
+    {
+        nb::gil_scoped_release release;
+        found = farthest_sample(points, triangles, step, TriangleTree(on, facets), workers_of(threads));
+    }
+    return nb::make_tuple(found.distance, nb::make_tuple(found.at.x, found.at.y, found.at.z));
 }
 
 /// Principal curvatures per triangle corner.
@@ -136,10 +168,18 @@ nb::object curvature_arrays(const Array &surface_points, const Array &triangles,
     });
 }
 
+/// Hand freed memory back to the system: what comes after a large piece of work needs its room in other pieces, and the
+/// peak would be the sum of both.
+void trim() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         bool cosines, std::uint64_t seed, const nb::object &progress, double gap) {
+                         bool cosines, std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
     surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
@@ -166,9 +206,10 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         Reference reference(std::move(surface));
-        result = resample(reference, mesh, wanted, form, monitor);
+        result = resample(reference, mesh, wanted, form, monitor, workers_of(threads));
         labels = label_surface(result.cloud, result.complex, reference);
     }
+    trim();
     return to_python(result, labels);
 }
 
@@ -180,6 +221,7 @@ void bind_global(nb::module_ &m) {
         nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
         nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("cosines") = true,
         nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap,
+        nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -196,7 +238,11 @@ void bind_global(nb::module_ &m) {
         "across from one planar patch to another, and the Euler characteristic of every region is as in the mesh;\n"
         "stats. The same input and seed give the same bits.");
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
+          nb::arg("threads") = 0,
           "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
+    m.def("farthest_sample", &farthest_arrays, nb::arg("points"), nb::arg("triangles"), nb::arg("step"),
+          nb::arg("surface_points"), nb::arg("surface_triangles"), nb::arg("threads") = 0,
+          "Distance and place of the sample of one triangle surface that is farthest from another.");
     m.def(
         "surface_curvatures", &curvature_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
         "Principal curvatures (t, 6) at the three corners of each triangle as its patch sees them, the larger first;\n"

@@ -1,4 +1,5 @@
 #include "bind_domain.h"
+#include "bind_workers.h"
 #include "bindings.h"
 
 #include "conform_inside.h"
@@ -48,7 +49,8 @@ struct Pinned {
 
 nb::dict refill_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
                        const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
-                       const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress) {
+                       const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress,
+                       unsigned threads) {
     const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
     const std::vector<double> wanted = wanted_of(size, given.mesh);
     InteriorForm form;
@@ -64,7 +66,8 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
-        interior = refill(Reference(given.surface), given.mesh, given.stay, given.edges, wanted, form, monitor);
+        interior = refill(Reference(given.surface), given.mesh, given.stay, given.edges, wanted, form, monitor,
+                          workers_of(threads));
     }
     return to_python(interior);
 }
@@ -96,6 +99,7 @@ void bind_interior(nb::module_ &m) {
         "refill", &refill_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"), nb::arg("pinned"),
         nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"), nb::kw_only(),
         nb::arg("size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+        nb::arg("threads") = 0,
         "Fill a mesh anew between its surface facets, which stay: points, tets, region per tet >= 0; pinned points,\n"
         "facets (f, 3) with their patch (f,), sides (patches, 2) as in resample, edges (e, 2) that stay. size: wanted\n"
         "edge length per point; without it the new mesh has up to twice the tets. progress(done, bad) returns False\n"

@@ -1,5 +1,6 @@
 #include "bvh.h"
 
+#include <cmath>
 #include <numeric>
 
 namespace wct {
@@ -107,6 +108,12 @@ TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, c
     const double v = vb * scale;
     const double w = vc * scale;
     return at(1.0 - v - w, v, w);
+}
+
+double with_room(double square, double scale) {
+    const double far = std::sqrt(square);
+    const double above = far + 1e-14 * (far + scale);
+    return above * above;
 }
 
 double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c) {

@@ -130,6 +130,10 @@ struct TrianglePoint {
 };
 TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
+/// A squared distance a hair above this one, which rounding cannot carry a nearer point across. `scale`: the largest
+/// coordinate.
+double with_room(double square, double scale);
+
 /// Distance along the ray p + t d, t > least, to the triangle; infinity if it misses.
 double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 

@@ -31,12 +31,14 @@ void Cloud::keep(const std::vector<char> &which) {
             role[to] = role[i];
             label[to] = label[i];
             size[to] = size[i];
+            near[to] = near[i];
             ++to;
         }
     points.resize(to);
     role.resize(to);
     label.resize(to);
     size.resize(to);
+    near.resize(to);
 }
 
 std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point) {
@@ -90,6 +92,15 @@ bool drop_twins(Cloud &cloud) {
 
 namespace {
 
+constexpr std::size_t kChunk = 512; // points
+
+/// The point of its patch nearest to a patch point, whose triangle it remembers.
+Foot foot_on_patch(Cloud &cloud, const Reference &reference, std::size_t i) {
+    const Foot foot = reference.nearest(cloud.points[i], cloud.label[i], cloud.near[i]);
+    cloud.near[i] = foot.triangle;
+    return foot;
+}
+
 /// Put a point on its crease or corner; returns the tangent there. Others stay.
 Vec3 retract_to_crease(Cloud &cloud, const Reference &reference, std::size_t i) {
     if (cloud.role[i] == Stratum::crease)
@@ -101,29 +112,33 @@ Vec3 retract_to_crease(Cloud &cloud, const Reference &reference, std::size_t i) 
 
 } // namespace
 
-void retract(Cloud &cloud, const Reference &reference) {
-    for (std::size_t i = 0; i < cloud.count(); ++i)
+void retract(Cloud &cloud, const Reference &reference, const Workers &workers) {
+    workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
         if (cloud.role[i] == Stratum::patch)
-            reference.to_patch(cloud.points[i], cloud.label[i]);
+            reference.to_patch(cloud.points[i], foot_on_patch(cloud, reference, i));
         else
             retract_to_crease(cloud, reference, i);
+    });
 }
 
-void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction) {
+void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction,
+                      const Workers &workers) {
     direction.assign(cloud.count(), {});
-    for (std::size_t i = 0; i < cloud.count(); ++i) {
-        Vec3 &p = cloud.points[i];
+    workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
         if (cloud.role[i] != Stratum::patch) {
             direction[i] = retract_to_crease(cloud, reference, i);
-        } else if (reference.planar(cloud.label[i])) {
-            direction[i] = reference.to_patch(p, cloud.label[i]);
+            return;
+        }
+        Vec3 &p = cloud.points[i];
+        const Foot foot = foot_on_patch(cloud, reference, i);
+        if (reference.planar(cloud.label[i])) {
+            direction[i] = reference.to_patch(p, foot);
         } else {
-            const Foot foot = reference.nearest(p, cloud.label[i]);
             if (foot.distance > shell)
                 p = foot.point + (shell / foot.distance) * (p - foot.point);
             direction[i] = reference.smooth_normal(foot);
         }
-    }
+    });
 }
 
 void PointGrid::add(const Vec3 &p, double radius) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cells.h"
+#include "parallel.h"
 #include "reference.h"
 #include "vec3.h"
 
@@ -18,6 +19,7 @@ struct Cloud {
     std::vector<Stratum> role;
     std::vector<int> label;   // patch, curve, vertex of the surface; for interior points their region
     std::vector<double> size; // wanted edge length
+    std::vector<int> near;    // a triangle of the reference not far from it, -1: none is known
 
     std::size_t count() const { return points.size(); }
     void add(const Vec3 &p, Stratum s, int l, double h) {
@@ -25,6 +27,7 @@ struct Cloud {
         role.push_back(s);
         label.push_back(l);
         size.push_back(h);
+        near.push_back(-1);
     }
     void keep(const std::vector<char> &which);
 };
@@ -39,10 +42,11 @@ std::vector<int> shared_patches(const Cloud &cloud, const Reference &reference, 
 bool drop_twins(Cloud &cloud);
 
 /// Put every boundary point where its role wants it, on curved patches at their offset.
-void retract(Cloud &cloud, const Reference &reference);
+void retract(Cloud &cloud, const Reference &reference, const Workers &workers);
 /// The same, but points of curved patches stay where they are within `shell` of their patch. `direction` receives the
 /// patch's normal or the curve's tangent, zero for other points.
-void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction);
+void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction,
+                      const Workers &workers);
 
 /// Points with a radius each, for asking what is near: one hash grid per power of two of the radius.
 class PointGrid {

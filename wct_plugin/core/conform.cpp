@@ -21,10 +21,10 @@ constexpr double kOff = 0.4;   // width, in radii, of where a point may come for
 class Round {
   public:
     Round(ConformingCloud &points, const Reference &reference, const SurfaceProbes &probes, const RegionMap &map,
-          const ConformForm &form, Random &random)
+          const ConformForm &form, Random &random, const Workers &workers)
         : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map), form_(form),
           random_(random) {
-        complex_ = labelled_delaunay(cloud_, reference, map);
+        complex_ = labelled_delaunay(cloud_, reference, map, workers);
         spheres_.resize(complex_.all.tets.size());
         for (std::size_t t = 0; t < spheres_.size(); ++t) {
             const auto &[a, b, c, d] = complex_.all.tets[t];
@@ -353,7 +353,7 @@ class Round {
                 free.push_back(v);
         if (free.empty()) {
             Vec3 p = spheres_[t].center;
-            if (map_.region(p) != complex_.region[t]) {
+            if (map_.region(p, reference_.nearest(p)) != complex_.region[t]) {
                 p = {};
                 for (const int v : complex_.all.tets[t])
                     p += 0.25 * cloud_.points[v];
@@ -410,7 +410,7 @@ Conformed taken(const ConformingCloud &points, const Complex &complex, const Ref
 
 Conformed conform(const Reference &reference, const std::optional<Reference> &given, const InputMesh &mesh,
                   std::span<const Stratum> stratum, std::span<const std::int64_t> label, std::span<const double> size,
-                  const ConformForm &form, Monitor &monitor) {
+                  const ConformForm &form, Monitor &monitor, const Workers &workers) {
     const RegionMap map(mesh, reference);
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
     const SurfaceProbes probes(reference, given, form.held * form.tolerance);
@@ -420,7 +420,7 @@ Conformed conform(const Reference &reference, const std::optional<Reference> &gi
     int since = 0;
     for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
          ++round) {
-        Round now(points, reference, probes, map, form, random);
+        Round now(points, reference, probes, map, form, random, workers);
         const ConformingCloud before = points;
         const Faults faults = now.mend();
         const bool intact =

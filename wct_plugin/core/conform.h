@@ -3,6 +3,7 @@
 #include "cells.h"
 #include "conforming_cloud.h"
 #include "monitor.h"
+#include "parallel.h"
 #include "reference.h"
 #include "region_map.h"
 #include "restricted.h"
@@ -62,6 +63,6 @@ struct Conformed {
 /// for.
 Conformed conform(const Reference &reference, const std::optional<Reference> &given, const InputMesh &mesh,
                   std::span<const Stratum> stratum, std::span<const std::int64_t> label, std::span<const double> size,
-                  const ConformForm &form, Monitor &monitor);
+                  const ConformForm &form, Monitor &monitor, const Workers &workers);
 
 } // namespace wct

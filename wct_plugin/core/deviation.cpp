@@ -1,5 +1,7 @@
 #include "deviation.h"
 
+#include "triangle_tree.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,21 +17,15 @@ struct Range {
     double missed = 0.0;
 };
 
-struct Facets {
-    std::vector<std::array<int, 3>> corners;
-    std::vector<Range> range;
-    BoxTree tree;
-    double volume = 0.0; // of all tets
-};
-
-Range sample(const std::array<Vec3, 3> &corner, const Reference &reference) {
+Range sample(const std::array<Vec3, 3> &corner, const Reference &reference, int near) {
     Range range;
     for (int j = 0; j <= kSamples; ++j)
         for (int k = 0; k <= kSamples - j; ++k) {
             const double u = static_cast<double>(j) / kSamples;
             const double v = static_cast<double>(k) / kSamples;
             const Vec3 p = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
-            const Foot foot = reference.nearest(p);
+            const Foot foot = reference.nearest(p, -1, near);
+            near = foot.triangle;
             const double height = reference.height(p, foot);
             range.above = std::max(range.above, height);
             range.below = std::min(range.below, height);
@@ -37,44 +33,16 @@ Range sample(const std::array<Vec3, 3> &corner, const Reference &reference) {
     return range;
 }
 
-Facets measure_facets(const Cloud &cloud, const Complex &complex, const Reference &reference) {
-    Facets facets;
-    std::vector<Box> boxes;
+double volume_of(const Cloud &cloud, const Complex &complex) {
+    double volume = 0.0;
     for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
         if (complex.region[t] < 0)
             continue;
         const auto &tet = complex.all.tets[t];
         const Vec3 &o = cloud.points[tet[0]];
-        facets.volume += dot(cross(cloud.points[tet[1]] - o, cloud.points[tet[2]] - o), cloud.points[tet[3]] - o) / 6.0;
-        for (int i = 0; i < 4; ++i) {
-            if (!complex.on_surface(static_cast<int>(t), i))
-                continue;
-            const auto f = complex.facet(static_cast<int>(t), i);
-            const std::array<Vec3, 3> corner{cloud.points[f[0]], cloud.points[f[1]], cloud.points[f[2]]};
-            Box box;
-            for (const Vec3 &p : corner)
-                box.add(p);
-            boxes.push_back(box);
-            facets.corners.push_back(f);
-            facets.range.push_back(sample(corner, reference));
-        }
+        volume += dot(cross(cloud.points[tet[1]] - o, cloud.points[tet[2]] - o), cloud.points[tet[3]] - o) / 6.0;
     }
-    facets.tree = BoxTree(boxes);
-    return facets;
-}
-
-/// Distance from p to the facets, and the nearest one.
-double nearest_facet(const Cloud &cloud, const Facets &facets, const Vec3 &p, std::size_t &facet) {
-    return std::sqrt(facets.tree.minimise(
-        std::numeric_limits<double>::infinity(), [&](std::size_t node) { return facets.tree.box(node).square(p); },
-        [&](std::size_t item, double best) {
-            const auto &f = facets.corners[item];
-            const double square =
-                nearest_on_triangle(p, cloud.points[f[0]], cloud.points[f[1]], cloud.points[f[2]]).square;
-            if (square < best)
-                facet = item;
-            return square;
-        }));
+    return volume;
 }
 
 /// Volume between the reference's sides that are inside and those that are outside.
@@ -93,34 +61,56 @@ double enclosed_volume(const SurfaceData &data) {
 
 } // namespace
 
-Deviation measure_deviation(const Cloud &cloud, const Complex &complex, const Reference &reference) {
+Deviation measure_deviation(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                            const Workers &workers) {
     const auto &data = reference.data();
-    Facets facets = measure_facets(cloud, complex, reference);
-    Deviation out;
-    std::vector<std::size_t> nearest(data.points.size(), 0);
-    std::vector<char> known(data.points.size(), 0);
-    for (const auto &[a, b, c] : data.triangles) {
-        const Vec3 middle = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
-        std::size_t facet = 0;
-        double far = nearest_facet(cloud, facets, middle, facet);
-        facets.range[facet].missed = std::max(facets.range[facet].missed, far);
-        out.most_in = std::max(out.most_in, far);
-        for (const int v : {a, b, c}) {
-            if (known[v])
-                continue;
+    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
+    std::vector<Range> range(facets.size());
+    workers.for_each(facets.size(), 64, [&](std::size_t f) {
+        const auto &[a, b, c] = facets[f];
+        const int near = std::max({cloud.near[a], cloud.near[b], cloud.near[c]});
+        range[f] = sample({cloud.points[a], cloud.points[b], cloud.points[c]}, reference, near);
+    });
+    // The facets nearest to the reference's vertices, then to the middles of its triangles.
+    const TriangleTree tree(cloud.points, facets);
+    const std::size_t vertices = data.points.size();
+    struct Near {
+        double distance = 0.0;
+        int facet = -1;
+    };
+    std::vector<Near> back(vertices + data.triangles.size());
+    std::vector<char> known(vertices, 0);
+    for (const auto &triangle : data.triangles)
+        for (const int v : triangle)
             known[v] = 1;
-            far = nearest_facet(cloud, facets, data.points[v], facet);
-            facets.range[facet].missed = std::max(facets.range[facet].missed, far);
-            out.most_in = std::max(out.most_in, far);
-            nearest[v] = facet;
+    workers.for_chunks(back.size(), 512, [&](std::size_t first, std::size_t last) {
+        int near = -1;
+        for (std::size_t i = first; i < last; ++i) {
+            if (i < vertices && !known[i])
+                continue;
+            Vec3 p;
+            if (i < vertices)
+                p = data.points[i];
+            else
+                for (const int v : data.triangles[i - vertices])
+                    p += data.points[v];
+            const auto found = tree.nearest(i < vertices ? p : (1.0 / 3.0) * p, near);
+            near = found.triangle;
+            back[i] = {std::sqrt(found.square), found.triangle};
         }
-    }
+    });
+    Deviation out;
+    for (const Near &at : back)
+        if (at.facet >= 0) {
+            range[at.facet].missed = std::max(range[at.facet].missed, at.distance);
+            out.most_in = std::max(out.most_in, at.distance);
+        }
     std::vector<Range> mean(cloud.count());
     std::vector<double> count(cloud.count(), 0.0);
-    for (std::size_t f = 0; f < facets.corners.size(); ++f) {
-        const Range &r = facets.range[f];
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+        const Range &r = range[f];
         out.most_out = std::max({out.most_out, r.above, -r.below});
-        for (const int v : facets.corners[f]) {
+        for (const int v : facets[f]) {
             mean[v].above += r.above;
             mean[v].below += r.below;
             mean[v].missed += r.missed;
@@ -133,14 +123,14 @@ Deviation measure_deviation(const Cloud &cloud, const Complex &complex, const Re
     for (std::size_t v = 0; v < data.points.size(); ++v) {
         if (!known[v])
             continue;
-        for (const int w : facets.corners[nearest[v]]) {
+        for (const int w : facets[back[v].facet]) {
             out.above[v] = std::max(out.above[v], mean[w].above / count[w]);
             out.below[v] = std::min(out.below[v], mean[w].below / count[w]);
             out.missed[v] = std::max(out.missed[v], mean[w].missed / count[w]);
         }
     }
     const double enclosed = enclosed_volume(data);
-    out.volume_gain = enclosed > 0.0 ? facets.volume / enclosed - 1.0 : 0.0;
+    out.volume_gain = enclosed > 0.0 ? volume_of(cloud, complex) / enclosed - 1.0 : 0.0;
     return out;
 }
 

@@ -3,7 +3,6 @@
 #include "cloud.h"
 #include "reference.h"
 #include "restricted.h"
-#include "sizing.h"
 
 #include <vector>
 
@@ -23,6 +22,7 @@ struct Deviation {
 };
 
 /// Facet samples both ways; distances to the nearest point of the other surface.
-Deviation measure_deviation(const Cloud &cloud, const Complex &complex, const Reference &reference);
+Deviation measure_deviation(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                            const Workers &workers);
 
 } // namespace wct

@@ -117,9 +117,10 @@ bool thin_creases(Cloud &cloud, const Reference &reference) {
 }
 
 /// Every boundary point on its stratum, no two at one place.
-void settle(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction) {
+void settle(Cloud &cloud, const Reference &reference, double shell, std::vector<Vec3> &direction,
+            const Workers &workers) {
     do
-        retract_to_shell(cloud, reference, shell, direction);
+        retract_to_shell(cloud, reference, shell, direction, workers);
     while (drop_twins(cloud) || thin_creases(cloud, reference));
 }
 
@@ -143,9 +144,8 @@ bool has_curved_patches(const Reference &reference) {
     return false;
 }
 
-void refresh_sizes(Cloud &cloud, const Sizing &sizing) {
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        cloud.size[i] = sizing.at(cloud.points[i]);
+void refresh_sizes(Cloud &cloud, const Sizing &sizing, const Workers &workers) {
+    workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
 }
 
 /// Points where the domain is not represented, but for corners: sheets of the input itself may touch there.
@@ -212,6 +212,7 @@ bool promote(Cloud &cloud, const Reference &reference, const Complex &complex, c
         const Foot foot = reference.nearest(cloud.points[v]);
         cloud.role[v] = Stratum::patch;
         cloud.label[v] = reference.data().patch[foot.triangle];
+        cloud.near[v] = foot.triangle;
     }
     cloud.keep(keep);
     return !flaws.exposed.empty();
@@ -241,20 +242,20 @@ void keep_upright(Cloud &cloud, const Complex &complex, const std::vector<Vec3> 
 /// The complex of the settled points, changed until the domain's creases and surfaces are in it. `touched` receives the
 /// points where sheets touched on the way.
 Flaws represent(Cloud &cloud, const Reference &reference, const RegionMap &map, double shell,
-                std::vector<Vec3> &direction, Complex &complex, std::vector<int> &touched) {
-    settle(cloud, reference, shell, direction);
-    complex = restricted_delaunay(cloud, reference, map);
+                std::vector<Vec3> &direction, Complex &complex, std::vector<int> &touched, const Workers &workers) {
+    settle(cloud, reference, shell, direction, workers);
+    complex = restricted_delaunay(cloud, reference, map, workers);
     Flaws flaws = find_flaws(cloud, complex);
     for (int pass = 0; pass < 4; ++pass) {
         const bool promoted = promote(cloud, reference, complex, flaws);
         if (promoted) { // points may have gone, and with them the complex's numbers
-            settle(cloud, reference, shell, direction);
-            complex = restricted_delaunay(cloud, reference, map);
+            settle(cloud, reference, shell, direction, workers);
+            complex = restricted_delaunay(cloud, reference, map, workers);
         }
-        if (recover_creases(cloud, reference, complex) == 0 && !promoted)
+        if (recover_creases(cloud, reference, complex, workers) == 0 && !promoted)
             break;
-        settle(cloud, reference, shell, direction);
-        complex = restricted_delaunay(cloud, reference, map);
+        settle(cloud, reference, shell, direction, workers);
+        complex = restricted_delaunay(cloud, reference, map, workers);
         flaws = find_flaws(cloud, complex);
     }
     touched = flaws.pinched;
@@ -275,7 +276,7 @@ struct Start {
 } // namespace
 
 GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
-                      const GlobalForm &form, Monitor &monitor) {
+                      const GlobalForm &form, Monitor &monitor, const Workers &workers) {
     using Clock = std::chrono::steady_clock;
     auto last = Clock::now();
     GlobalResult result;
@@ -286,7 +287,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     };
     const RegionMap map(mesh, reference);
     lap("map");
-    Sizing sizing(reference, mesh, map, form.sizing, wanted);
+    Sizing sizing(reference, mesh, map, form.sizing, wanted, workers);
     lap("sizing");
     std::vector<double> correction(reference.data().points.size(), 0.0);
     const std::vector<double> ceiling = sizing.surface;
@@ -294,18 +295,18 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const bool curved = has_curved_patches(reference);
     const auto start = [&](int sweeps) {
         set_offsets(reference, sizing, form, correction);
-        Cloud cloud = make_seeds(reference, map, sizing, SeedForm{}, random);
+        Cloud cloud = make_seeds(reference, map, sizing, SeedForm{}, random, workers);
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
             drop_twins(cloud);
-            Complex complex = restricted_delaunay(cloud, reference, map);
+            Complex complex = restricted_delaunay(cloud, reference, map, workers);
             if (sweep >= form.mend_from && sweep % 4 == 0 && sweep + 4 < form.sweeps)
                 if (mend(cloud, reference, complex, form.longest, form.shortest) > 0) {
                     drop_twins(cloud);
-                    complex = restricted_delaunay(cloud, reference, map);
+                    complex = restricted_delaunay(cloud, reference, map, workers);
                 }
-            relax(cloud, reference, complex, form.step);
+            relax(cloud, reference, complex, form.step, workers);
             if (sweep % 8 == 7)
-                refresh_sizes(cloud, sizing);
+                refresh_sizes(cloud, sizing, workers);
             monitor.work(complex.all.tets.size(), 0.0);
         }
         return cloud;
@@ -313,8 +314,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     for (int trial = 0; curved && trial < form.trials && !monitor.stopped(); ++trial) {
         Cloud cloud = start(form.trial_sweeps);
         drop_twins(cloud);
-        const Complex complex = restricted_delaunay(cloud, reference, map);
-        learn(measure_deviation(cloud, complex, reference), sizing, correction, ceiling, form);
+        const Complex complex = restricted_delaunay(cloud, reference, map, workers);
+        learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, form);
     }
     lap("trials");
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
@@ -334,10 +335,10 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         std::vector<int> touched;
         int since = 0;
         for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
-            Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched);
-            const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference) : std::vector<Tie>{};
+            Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched, workers);
+            const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
             const std::vector<Vec3> unfitted = cloud.points;
-            fit_heights(cloud, reference, ties, direction, fit);
+            fit_heights(cloud, reference, ties, direction, fit, workers);
             keep_upright(cloud, complex, unfitted);
             const Tally tally = count_bad(cloud, complex, form.cosines);
             const bool sound = represents(cloud, complex, flaws);
@@ -373,7 +374,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     }
     const double few = form.few_off * static_cast<double>(surface_facets(best.complex).size());
     if (best.intact && static_cast<double>(best.off) > few && !monitor.stopped()) {
-        shrink(measure_deviation(best.cloud, best.complex, reference), sizing, form);
+        shrink(measure_deviation(best.cloud, best.complex, reference, workers), sizing, form);
         Start next = run();
         if (next.intact && next.off < best.off)
             best = std::move(next);
@@ -384,7 +385,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     result.flaws = std::move(best.flaws);
     result.tally = best.tally;
     result.intact = best.intact;
-    result.deviation = measure_deviation(result.cloud, result.complex, reference);
+    result.deviation = measure_deviation(result.cloud, result.complex, reference, workers);
     lap("deviation");
     result.stopped = monitor.stopped();
     return result;

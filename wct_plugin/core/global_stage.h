@@ -64,6 +64,6 @@ struct GlobalResult {
 
 /// Resample the domain: see make_seeds, relax and descend. The reference's offsets are set on the way.
 GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
-                      const GlobalForm &form, Monitor &monitor);
+                      const GlobalForm &form, Monitor &monitor, const Workers &workers);
 
 } // namespace wct

@@ -36,7 +36,7 @@ std::size_t tets_of(const Complex &complex) {
 
 /// Empty where not all facets come out.
 Interior fill(const PinnedFacets &facets, const Reference &reference, const InputMesh &mesh, const RegionMap &map,
-              std::span<const double> wanted, const InteriorForm &form, Monitor &monitor) {
+              std::span<const double> wanted, const InteriorForm &form, Monitor &monitor, const Workers &workers) {
     constexpr double apart = 0.35; // distance of new points, in sizes
     const Keeper keeper(facets, mesh, apart);
     Random random(form.seed);
@@ -48,7 +48,7 @@ Interior fill(const PinnedFacets &facets, const Reference &reference, const Inpu
     std::optional<Sizing> sizing;
     constexpr int tries = 5;
     for (int k = 0; k < tries; ++k) {
-        sizing.emplace(reference, mesh, map, sizes, wanted);
+        sizing.emplace(reference, mesh, map, sizes, wanted, workers);
         cloud = seeds(facets, reference, mesh, map, *sizing, form.seeds, random);
         keeper.clear(cloud);
         if (!keeper.triangulate(cloud, complex))
@@ -62,7 +62,7 @@ Interior fill(const PinnedFacets &facets, const Reference &reference, const Inpu
     for (int sweep = 0; sweep < form.sweeps && !monitor.stopped(); ++sweep) {
         if (sweep > 0 && !keeper.triangulate(cloud, complex))
             return {};
-        relax(cloud, reference, complex, form.step);
+        relax(cloud, reference, complex, form.step, workers);
         keeper.clear(cloud);
         if (sweep % 8 == 7)
             for (std::size_t i = 0; i < cloud.count(); ++i)
@@ -104,8 +104,8 @@ Interior fill(const PinnedFacets &facets, const Reference &reference, const Inpu
 } // namespace
 
 Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
-                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form,
-                Monitor &monitor) {
+                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form, Monitor &monitor,
+                const Workers &workers) {
     if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
         return {};
     const RegionMap map(mesh, reference);
@@ -115,7 +115,7 @@ Interior refill(const Reference &reference, const InputMesh &mesh, const std::ve
             break;
         const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges, squares);
         if (!facets.keeps_all())
-            interior = fill(facets, reference, mesh, map, wanted, form, monitor);
+            interior = fill(facets, reference, mesh, map, wanted, form, monitor, workers);
     }
     interior.stopped = monitor.stopped();
     return interior;

@@ -35,7 +35,7 @@ struct InteriorForm {
 /// takes the place of the input's vertices. `reference` is the mesh's own surface, with the mesh's own points. Empty
 /// where nothing could be filled anew.
 Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
-                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form,
-                Monitor &monitor);
+                std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form, Monitor &monitor,
+                const Workers &workers);
 
 } // namespace wct

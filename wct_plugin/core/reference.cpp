@@ -39,11 +39,15 @@ Reference::Reference(SurfaceData data) : data_(std::move(data)) {
         all.add(boxes.back());
     }
     diagonal_ = norm(all.hi - all.lo);
+    for (const Vec3 &p : {all.lo, all.hi})
+        scale_ = std::max({scale_, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     tree_ = BoxTree(boxes);
     patch_trees_.resize(data_.sides.size());
     for (std::size_t t = 0; t < data_.triangles.size(); ++t)
         patch_trees_[data_.patch[t]].triangles.push_back(static_cast<int>(t));
     for (auto &part : patch_trees_) {
+        if (patch_trees_.size() == 1)
+            break; // tree_ is that of the only patch
         std::vector<Box> own;
         for (const int t : part.triangles)
             own.push_back(boxes[t]);
@@ -241,28 +245,20 @@ void Reference::try_triangle(const Vec3 &p, int triangle, double &square, Foot &
     std::copy(at.weight, at.weight + 3, foot.weight);
 }
 
-Foot Reference::nearest(const Vec3 &p, int patch) const {
+Foot Reference::nearest(const Vec3 &p, int patch, int hint) const {
     Foot foot;
-    const PatchTree *part = patch < 0 ? nullptr : &patch_trees_[patch];
+    const PatchTree *part = patch < 0 || patch_trees_.size() == 1 ? nullptr : &patch_trees_[patch];
     const BoxTree &tree = part ? part->tree : tree_;
+    double most = std::numeric_limits<double>::infinity();
+    if (hint >= 0 && (!part || data_.patch[hint] == patch)) {
+        try_triangle(p, hint, most, foot);
+        most = with_room(most, scale_);
+        foot = {};
+    }
     const double square = tree.minimise(
-        std::numeric_limits<double>::infinity(), [&](std::size_t node) { return tree.box(node).square(p); },
+        most, [&](std::size_t node) { return tree.box(node).square(p); },
         [&](std::size_t item, double best) {
             try_triangle(p, part ? part->triangles[item] : static_cast<int>(item), best, foot);
-            return best;
-        });
-    foot.distance = std::sqrt(square);
-    return foot;
-}
-
-Foot Reference::nearest_from(const Vec3 &p, int hint) const {
-    Foot foot;
-    double square = std::numeric_limits<double>::infinity();
-    try_triangle(p, hint, square, foot);
-    square = tree_.minimise(
-        square, [&](std::size_t node) { return tree_.box(node).square(p); },
-        [&](std::size_t item, double best) {
-            try_triangle(p, static_cast<int>(item), best, foot);
             return best;
         });
     foot.distance = std::sqrt(square);
@@ -321,8 +317,8 @@ int Reference::region_beside(const Vec3 &p, const Foot &foot) const {
     return data_.sides[data_.patch[foot.triangle]][height(p, foot) > 0.0 ? 1 : 0];
 }
 
-Vec3 Reference::to_patch(Vec3 &p, int patch) const {
-    const Foot foot = nearest(p, patch);
+Vec3 Reference::to_patch(Vec3 &p, const Foot &foot) const {
+    const int patch = data_.patch[foot.triangle];
     if (planar_[patch]) {
         const Vec3 &n = plane_normal_[patch];
         p = foot.point - dot(foot.point - plane_point_[patch], n) * n;

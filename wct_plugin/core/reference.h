@@ -64,10 +64,11 @@ class Reference {
     bool planar(int patch) const { return planar_[patch]; }
     const std::vector<Curve> &curves() const { return curves_; }
 
-    /// Nearest point of the surface, or of one patch.
-    Foot nearest(const Vec3 &p, int patch = -1) const;
-    /// The same for the whole surface, sooner where `hint` is a triangle nearby.
-    Foot nearest_from(const Vec3 &p, int hint) const;
+    /// Nearest point of the surface, or of one patch. Sooner where `hint` is a triangle nearby; the answer does not
+    /// depend on it.
+    Foot nearest(const Vec3 &p, int patch = -1, int hint = -1) const;
+    /// Over all triangles.
+    const BoxTree &tree() const { return tree_; }
     CurveFoot nearest_on_curve(const Vec3 &p, int curve, bool shifted = false) const;
     /// First hit of a ray beyond `least`: distance and triangle (-1: none).
     double ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const;
@@ -95,8 +96,9 @@ class Reference {
     std::vector<Curve> &curves() { return curves_; }
     void rebuild_curves();
 
-    /// Put a point on its patch (at the offset) or curve. Returns the normal or the tangent there.
-    Vec3 to_patch(Vec3 &p, int patch) const;
+    /// Put a point on its patch (at the offset) or curve. Returns the normal or the tangent there. `foot`: the nearest
+    /// point of the patch.
+    Vec3 to_patch(Vec3 &p, const Foot &foot) const;
     Vec3 to_curve(Vec3 &p, int curve) const;
 
   private:
@@ -111,6 +113,7 @@ class Reference {
 
     SurfaceData data_;
     double diagonal_ = 0.0;
+    double scale_ = 0.0; // largest coordinate
     std::vector<Vec3> normals_;
     std::vector<double> areas_;
     std::vector<std::array<int, 3>> wedges_;

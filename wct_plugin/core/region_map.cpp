@@ -107,10 +107,9 @@ Place RegionMap::find_or_nearest(const Vec3 &p) const {
     return place;
 }
 
-int RegionMap::region(const Vec3 &p) const {
+int RegionMap::region(const Vec3 &p, const Foot &foot) const {
     const Place place = find(p);
     const int by_tets = place.tet >= 0 ? mesh_.region[place.tet] : -1;
-    const Foot foot = reference_.nearest(p);
     if (foot.triangle < 0)
         return by_tets;
     const int by_surface = reference_.region_beside(p, foot);

@@ -30,8 +30,8 @@ class RegionMap {
   public:
     RegionMap(const InputMesh &mesh, const Reference &reference);
 
-    /// Region at p, -1 outside.
-    int region(const Vec3 &p) const;
+    /// Region at p, -1 outside. `foot`: the surface's point nearest to p.
+    int region(const Vec3 &p, const Foot &foot) const;
     /// The input tet that contains p; tet = -1 if none does.
     Place find(const Vec3 &p) const;
     /// As find, else the nearest point of the input's boundary.

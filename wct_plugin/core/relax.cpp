@@ -40,7 +40,7 @@ constexpr double kClosest = 0.5;
 
 } // namespace
 
-double relax(Cloud &cloud, const Reference &reference, const Complex &complex, double step) {
+double relax(Cloud &cloud, const Reference &reference, const Complex &complex, double step, const Workers &workers) {
     const auto &points = cloud.points;
     std::vector<Mean> inner(points.size());
     std::vector<Mean> outer(points.size());
@@ -87,7 +87,7 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
         if (free && mean.weight > 0.0)
             cloud.points[i] += step * ((1.0 / mean.weight) * mean.sum - cloud.points[i]);
     }
-    retract(cloud, reference);
+    retract(cloud, reference, workers);
     double most = 0.0;
     for (std::size_t i = 0; i < points.size(); ++i)
         most = std::max(most, norm(points[i] - before[i]) / cloud.size[i]);
@@ -131,7 +131,7 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
         if (touched[v] || touched[w] || patch < 0)
             continue;
         Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);
-        reference.to_patch(middle, patch);
+        reference.to_patch(middle, reference.nearest(middle, patch, cloud.near[v]));
         const double size = 0.5 * (cloud.size[v] + cloud.size[w]);
         if (grid.crowded(middle, 0.5 * size))
             continue; // the edge is long because the surface is wrong here, not for want of points
@@ -145,7 +145,7 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
     return changes;
 }
 
-int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex) {
+int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex, const Workers &workers) {
     const auto chains = curve_chains(cloud, reference);
     const auto edges = surface_edges(complex);
     PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
@@ -174,7 +174,7 @@ int recover_creases(Cloud &cloud, const Reference &reference, const Complex &com
         }
     }
     if (added)
-        retract(cloud, reference);
+        retract(cloud, reference, workers);
     return added;
 }
 

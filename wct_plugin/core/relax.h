@@ -9,7 +9,7 @@ namespace wct {
 /// One sweep of optimal Delaunay triangulation (Chen and Xu, "Optimal Delaunay triangulations"): interior points move
 /// by `step` towards the mean of the circumcenters around, weighted by volume per squared size, patch points towards
 /// the weighted mean of their triangles' centers, then back to their patch. Returns the largest move per size.
-double relax(Cloud &cloud, const Reference &reference, const Complex &complex, double step);
+double relax(Cloud &cloud, const Reference &reference, const Complex &complex, double step, const Workers &workers);
 
 /// Fill holes and thin crowds of patch points: the middles of surface edges longer than `longest` sizes become points,
 /// and one end of edges shorter than `shortest` goes. Returns the number of changes.
@@ -17,6 +17,6 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
 
 /// Creases must be edges of the mesh: where two points that follow one another on a curve are not joined, their middle
 /// becomes a point too. Returns the number of points added.
-int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex);
+int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex, const Workers &workers);
 
 } // namespace wct

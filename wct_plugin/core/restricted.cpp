@@ -85,36 +85,39 @@ std::array<int, 3> Complex::facet(int t, int i) const {
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
 
-Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map) {
+Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                          const Workers &workers) {
     Complex complex{delaunay(cloud.points), {}};
-    complex.region.resize(complex.all.tets.size());
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
-        const auto &tet = complex.all.tets[t];
-        int on_surface = 0;
-        int inner = -1;
-        for (const int v : tet)
-            if (cloud.role[v] == Stratum::interior)
+    const auto &tets = complex.all.tets;
+    complex.region.resize(tets.size());
+    workers.for_each(tets.size(), 1024, [&](std::size_t t) {
+        int on_surface = 0, inner = -1, near = -1;
+        for (const int v : tets[t])
+            if (cloud.role[v] == Stratum::interior) {
                 inner = v;
-            else
+            } else {
                 ++on_surface;
+                near = std::max(near, cloud.near[v]);
+            }
         if (on_surface <= 1) {
             complex.region[t] = cloud.label[inner];
-            continue;
+            return;
         }
-        if (on_surface == 4 && flatness(cloud.points, tet) < kFlat) {
+        if (on_surface == 4 && flatness(cloud.points, tets[t]) < kFlat) {
             complex.region[t] = -1;
-            continue;
+            return;
         }
         Vec3 center;
-        for (const int v : tet)
+        for (const int v : tets[t])
             center += 0.25 * cloud.points[v];
-        complex.region[t] = map.region(center);
-    }
+        complex.region[t] = map.region(center, reference.nearest(center, -1, near));
+    });
     return complex;
 }
 
-Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map) {
-    Complex complex = labelled_delaunay(cloud, reference, map);
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                            const Workers &workers) {
+    Complex complex = labelled_delaunay(cloud, reference, map, workers);
     peel(cloud, reference, complex);
     return complex;
 }

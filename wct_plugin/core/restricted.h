@@ -30,9 +30,10 @@ struct Complex {
 };
 
 /// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out.
-Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map);
+Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map, const Workers &workers);
 /// The same, with slivers on curved patches taken off too.
-Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map);
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                            const Workers &workers);
 
 /// What is wrong with the surfaces of a complex.
 struct Flaws {

@@ -71,6 +71,7 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
         Vec3 along;
         double size;
         int patch;
+        int near; // a triangle there, -1: none is known
     };
     const auto &data = reference.data();
     std::vector<Front> queue;
@@ -80,7 +81,7 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
             continue;
         const Vec3 tangent = reference.nearest_on_curve(cloud.points[i], cloud.label[i]).tangent;
         for (const int patch : reference.patches_at_curve(cloud.label[i])) {
-            queue.push_back({cloud.points[i], tangent, cloud.size[i], patch});
+            queue.push_back({cloud.points[i], tangent, cloud.size[i], patch, -1});
             rimmed[patch] = 1;
         }
     }
@@ -98,11 +99,12 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
             continue;
         grid.add(p, form.front_spacing * size);
         cloud.add(p, Stratum::patch, patch, size);
-        queue.push_back({p, std::cos(turn) * u + std::sin(turn) * v, size, patch});
+        queue.push_back({p, std::cos(turn) * u + std::sin(turn) * v, size, patch, static_cast<int>(t)});
     }
     for (std::size_t at = 0; at < queue.size(); ++at) {
         const Front front = queue[at];
-        const Vec3 n = reference.smooth_normal(reference.nearest(front.point, front.patch));
+        const Foot here = reference.nearest(front.point, front.patch, front.near);
+        const Vec3 n = reference.smooth_normal(here);
         const Vec3 u = unit(front.along - dot(front.along, n) * n);
         const Vec3 v = cross(n, u);
         for (int k = 0; k < 6; ++k) {
@@ -111,9 +113,11 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
             Vec3 p = front.point + front.size * d;
             const double middle = size_at(sizing, 0.5 * (front.point + p));
             bool found = true;
+            int near = here.triangle;
             for (int pass = 0; pass < 2 && found; ++pass) {
                 p = front.point + middle * (pass == 0 ? d : unit(p - front.point));
-                const Foot foot = reference.nearest(p, front.patch);
+                const Foot foot = reference.nearest(p, front.patch, near);
+                near = foot.triangle;
                 found = pass == 0 || foot.distance < 0.2 * middle;
                 p = foot.point;
             }
@@ -124,7 +128,7 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
                 continue;
             grid.add(p, form.front_spacing * size);
             cloud.add(p, Stratum::patch, front.patch, size);
-            queue.push_back({p, p - front.point, size, front.patch});
+            queue.push_back({p, p - front.point, size, front.patch, near});
         }
     }
 }
@@ -220,7 +224,7 @@ class LatticeLevel {
                                           static_cast<double>(k) * cell_ + half};
         const double radius = 1.7321 * half;
         const Foot foot = reference_.nearest(center);
-        if (foot.distance > radius && map_.region(center) < 0)
+        if (foot.distance > radius && map_.region(center, foot) < 0)
             return;
         if (levels_ > 1) {
             const double size = sizing_.at(center);
@@ -234,6 +238,7 @@ class LatticeLevel {
                 descend(origin, i + (part & 1 ? h : 0), j + (part & 2 ? h : 0), k + (part & 4 ? h : 0), h, take);
             return;
         }
+        int hint = foot.triangle;
         for (std::int64_t a = i; a < i + side; ++a)
             for (std::int64_t b = j; b < j + side; ++b)
                 for (std::int64_t c = k; c < k + side; ++c)
@@ -242,17 +247,19 @@ class LatticeLevel {
                         const Vec3 p = origin + cell_ * Vec3{static_cast<double>(a) + shift - 0.363,
                                                              static_cast<double>(b) + shift - 0.363,
                                                              static_cast<double>(c) + shift - 0.363};
-                        try_point(p, take);
+                        try_point(p, hint, take);
                     }
     }
 
-    template <class Take> void try_point(const Vec3 &p, const Take &take) const {
+    template <class Take> void try_point(const Vec3 &p, int &hint, const Take &take) const {
         const double size = sizing_.at(p);
         if (level_of(size) != level_)
             return;
-        if (reference_.nearest(p).distance <= form_.least_depth * cell_)
+        const Foot foot = reference_.nearest(p, -1, hint);
+        hint = foot.triangle;
+        if (foot.distance <= form_.least_depth * cell_)
             return;
-        const int region = map_.region(p);
+        const int region = map_.region(p, foot);
         if (region >= 0)
             take(p, size, region);
     }
@@ -312,7 +319,7 @@ void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map,
 }
 
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
-                 Random &random) {
+                 Random &random, const Workers &workers) {
     Cloud cloud;
     for (const int v : reference.data().corners)
         cloud.add(reference.data().points[v], Stratum::corner, v, size_at(sizing, reference.data().points[v]));
@@ -320,7 +327,7 @@ Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing 
     seed_corners(cloud, reference);
     seed_patches(cloud, reference, sizing, form, random);
     seed_inside(cloud, reference, map, sizing, form, random);
-    retract(cloud, reference);
+    retract(cloud, reference, workers);
     return cloud;
 }
 

@@ -22,7 +22,7 @@ struct SeedForm {
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
 /// body-centered cubic lattice whose cell follows the size field in steps.
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
-                 Random &random);
+                 Random &random, const Workers &workers);
 
 /// The lattice alone, of the scale that the sizes of the cloud's points ask for; new points keep off the surface.
 void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map, const Sizing &sizing,

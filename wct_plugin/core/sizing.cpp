@@ -57,22 +57,15 @@ double unit_sag(double k1, double k2) {
 }
 
 Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
-               std::span<const double> wanted)
+               std::span<const double> wanted, const Workers &workers)
     : reference_(reference), mesh_(mesh), map_(map), form_(form) {
     make_input_sizes(wanted);
-    for (const Vec3 &p : reference.data().points)
-        limit_.push_back(form.coarsen * input_size(p));
-    limit_by_thickness();
+    const auto &points = reference.data().points;
+    limit_.resize(points.size());
+    workers.for_each(points.size(), 512, [&](std::size_t v) { limit_[v] = form.coarsen * input_size(points[v]); });
+    limit_by_thickness(workers);
     surface = limit_;
     limit_by_curvature();
-    std::vector<Box> boxes;
-    for (const auto &t : reference.data().triangles) {
-        Box box;
-        for (const int v : t)
-            box.add(reference.data().points[v]);
-        boxes.push_back(box);
-    }
-    tree_ = BoxTree(boxes);
     grade();
 }
 
@@ -144,47 +137,54 @@ void Sizing::limit_by_curvature() {
             lower(curve.vertices[k], norm(curve.bend[k]) / 8.0);
 }
 
-void Sizing::limit_by_thickness() {
-    // Sheets: rays from each triangle to either side, in a cone, that hit a triangle facing the other way.
+double Sizing::thickness_at(int triangle) const {
+    // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
     constexpr double kCone = 0.5235987755982988; // 30 degrees
     const auto &data = reference_.data();
+    const Vec3 &n = reference_.normal(triangle);
+    const auto &[a, b, c] = data.triangles[triangle];
+    const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
+    const Vec3 u = across(n);
+    const Vec3 v = cross(n, u);
+    double thin = kInfinity;
+    for (int side = 0; side < 2; ++side) {
+        // Across a gap outside no tets are wanted: facets only must be too small to reach over.
+        const bool outside = data.sides[data.patch[triangle]][side] < 0;
+        std::array<double, kRays> hits;
+        for (int j = 0; j < kRays; ++j) {
+            const double tilt = j == 0 ? 0.0 : kCone;
+            const double turn = 6.283185307179586 * j / (kRays - 1) + 0.1;
+            const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
+            const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
+            int hit = -1;
+            const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
+            const bool opposite = hit >= 0 && dot(reference_.normal(hit), n) < -0.5;
+            hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
+        }
+        std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
+        const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
+        thin = std::min(thin, outside ? narrow : hits[3]);
+    }
+    return std::min(thin, reference_.diagonal());
+}
+
+void Sizing::limit_by_thickness(const Workers &workers) {
+    const auto &data = reference_.data();
+    const auto has_side = [&](std::size_t t) { return !(reference_.normal(static_cast<int>(t)) == Vec3{}); };
+    std::vector<double> thin(data.triangles.size());
+    workers.for_each(thin.size(), 64, [&](std::size_t t) {
+        if (has_side(t))
+            thin[t] = thickness_at(static_cast<int>(t));
+    });
     std::vector<double> sum(data.points.size(), 0.0);
     std::vector<double> weight(data.points.size(), 0.0);
-    std::vector<double> least(data.points.size(), kInfinity);
-    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
-        const Vec3 &n = reference_.normal(static_cast<int>(t));
-        if (n == Vec3{})
-            continue;
-        const auto &[a, b, c] = data.triangles[t];
-        const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
-        const Vec3 u = across(n);
-        const Vec3 v = cross(n, u);
-        double thin = kInfinity;
-        for (int side = 0; side < 2; ++side) {
-            // Across a gap outside no tets are wanted: facets only must be too small to reach over.
-            const bool outside = data.sides[data.patch[t]][side] < 0;
-            std::array<double, kRays> hits;
-            for (int j = 0; j < kRays; ++j) {
-                const double tilt = j == 0 ? 0.0 : kCone;
-                const double turn = 6.283185307179586 * j / (kRays - 1) + 0.1;
-                const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
-                const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
-                int hit = -1;
-                const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
-                const bool opposite = hit >= 0 && dot(reference_.normal(hit), n) < -0.5;
-                hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
+    for (std::size_t t = 0; t < thin.size(); ++t)
+        if (has_side(t))
+            for (const int at : data.triangles[t]) {
+                sum[at] += reference_.area(static_cast<int>(t)) * thin[t];
+                weight[at] += reference_.area(static_cast<int>(t));
             }
-            std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
-            const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
-            thin = std::min(thin, outside ? narrow : hits[3]);
-        }
-        const double capped = std::min(thin, reference_.diagonal());
-        for (const int at : data.triangles[t]) {
-            sum[at] += reference_.area(static_cast<int>(t)) * capped;
-            weight[at] += reference_.area(static_cast<int>(t));
-        }
-    }
     for (std::size_t v = 0; v < sum.size(); ++v)
         if (weight[v] > 0.0)
             limit_[v] = std::min(limit_[v], form_.thickness * sum[v] / weight[v]);
@@ -196,7 +196,7 @@ void Sizing::grade() {
     std::vector<double> values;
     for (const auto &t : data.triangles)
         values.push_back(std::min({surface[t[0]], surface[t[1]], surface[t[2]]}));
-    least_ = tree_.smallest(values);
+    least_ = reference_.tree().smallest(values);
     for (const double s : values)
         smallest_ = std::min(smallest_, s);
 }
@@ -219,8 +219,9 @@ double Sizing::on_surface(const Foot &foot) const {
 double Sizing::at(const Vec3 &p) const {
     const auto &data = reference_.data();
     const double most = form_.coarsen * input_size(p);
-    return tree_.minimise(
-        most, [&](std::size_t node) { return least_[node] + form_.inner_grade * std::sqrt(tree_.box(node).square(p)); },
+    const BoxTree &tree = reference_.tree();
+    return tree.minimise(
+        most, [&](std::size_t node) { return least_[node] + form_.inner_grade * std::sqrt(tree.box(node).square(p)); },
         [&](std::size_t item, double) {
             const auto &[a, b, c] = data.triangles[item];
             const TrianglePoint q = nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);

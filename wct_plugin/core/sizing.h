@@ -1,5 +1,6 @@
 #pragma once
 
+#include "parallel.h"
 #include "reference.h"
 #include "region_map.h"
 
@@ -32,7 +33,7 @@ class Sizing {
   public:
     /// `wanted`: edge length per input point; empty: the input's own.
     Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
-           std::span<const double> wanted);
+           std::span<const double> wanted, const Workers &workers);
 
     double at(const Vec3 &p) const;
     double on_surface(const Foot &foot) const;
@@ -51,7 +52,8 @@ class Sizing {
   private:
     void make_input_sizes(std::span<const double> wanted);
     void limit_by_curvature();
-    void limit_by_thickness();
+    void limit_by_thickness(const Workers &workers);
+    double thickness_at(int triangle) const;
 
     const Reference &reference_;
     const InputMesh &mesh_;
@@ -60,8 +62,7 @@ class Sizing {
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;
-    BoxTree tree_;
-    std::vector<double> least_; // per node of tree_
+    std::vector<double> least_; // per node of the reference's tree
     double smallest_ = 0.0;
     double largest_ = 0.0;
 };

@@ -1,7 +1,10 @@
 #include "surface_fit.h"
 
+#include "triangle_tree.h"
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace wct {
 
@@ -17,89 +20,89 @@ Vec3 blend(const Cloud &cloud, const Tie &tie) {
            tie.weight[2] * cloud.points[tie.corner[2]];
 }
 
-} // namespace
+/// The edges that a facet samples: each edge of the surface from one of its two sides.
+bool samples_edge(const std::array<int, 3> &f, int k) {
+    return f[k] < f[(k + 1) % 3];
+}
 
-std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference) {
-    const auto &data = reference.data();
-    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
-    std::vector<Box> boxes;
-    for (const auto &facet : facets) {
-        Box box;
-        for (const int v : facet)
-            box.add(cloud.points[v]);
-        boxes.push_back(box);
-    }
-    const BoxTree tree(boxes);
-    std::vector<Tie> ties;
-    int hint = 0;
-    const auto tie_point = [&](const std::array<int, 3> &facet, const std::array<double, 3> &weight) {
-        Tie tie{facet, weight, {}, 0.0};
-        const Vec3 p = blend(cloud, tie);
-        const Foot foot = reference.nearest_from(p, hint);
-        hint = foot.triangle;
-        if (reference.planar(data.patch[foot.triangle]))
-            return;
-        // Across an edge of the reference the distance grows along the way to the foot; on it, along the normal.
-        const Vec3 away = p - foot.point;
-        tie.normal = foot.distance > 1e-9 * reference.diagonal() ? (1.0 / foot.distance) * away
-                                                                 : reference.normal(foot.triangle);
-        tie.level = dot(tie.normal, foot.point);
-        ties.push_back(tie);
+std::size_t samples_of(const std::array<int, 3> &f) {
+    return std::size(kInner) + (kSteps - 1) * (samples_edge(f, 0) + samples_edge(f, 1) + samples_edge(f, 2));
+}
+
+/// Ties of one facet's samples to the reference, from `tie` on; those over planes stay empty.
+void tie_facet(const Cloud &cloud, const Reference &reference, const std::array<int, 3> &f, Tie *tie) {
+    int near = std::max({cloud.near[f[0]], cloud.near[f[1]], cloud.near[f[2]]});
+    const auto tie_point = [&](const std::array<double, 3> &weight) {
+        Tie made{f, weight, {}, 0.0};
+        const Vec3 p = blend(cloud, made);
+        const Foot foot = reference.nearest(p, -1, near);
+        near = foot.triangle;
+        if (!reference.planar(reference.data().patch[foot.triangle])) {
+            // Across an edge of the reference the distance grows along the way to the foot; on it, along the normal.
+            const Vec3 away = p - foot.point;
+            made.normal = foot.distance > 1e-9 * reference.diagonal() ? (1.0 / foot.distance) * away
+                                                                      : reference.normal(foot.triangle);
+            made.level = dot(made.normal, foot.point);
+            *tie = made;
+        }
+        ++tie;
     };
-    for (const auto &f : facets) {
-        for (const auto &w : kInner)
-            tie_point(f, {w[0], w[1], w[2]});
-        for (int k = 0; k < 3; ++k) { // each edge from one of its two sides
-            const int v = f[k];
-            const int w = f[(k + 1) % 3];
-            if (v > w)
-                continue;
-            for (int j = 1; j < kSteps; ++j) {
-                std::array<double, 3> weight{};
-                weight[k] = 1.0 - static_cast<double>(j) / kSteps;
-                weight[(k + 1) % 3] = static_cast<double>(j) / kSteps;
-                tie_point(f, weight);
-            }
+    for (const auto &w : kInner)
+        tie_point({w[0], w[1], w[2]});
+    for (int k = 0; k < 3; ++k) {
+        if (!samples_edge(f, k))
+            continue;
+        for (int j = 1; j < kSteps; ++j) {
+            std::array<double, 3> weight{};
+            weight[k] = 1.0 - static_cast<double>(j) / kSteps;
+            weight[(k + 1) % 3] = static_cast<double>(j) / kSteps;
+            tie_point(weight);
         }
     }
-    for (std::size_t v = 0; v < data.points.size(); ++v) {
-        const auto &patches = reference.patches_at_vertex(static_cast<int>(v));
-        if (std::all_of(patches.begin(), patches.end(), [&](int p) { return reference.planar(p); }))
-            continue;
-        const Vec3 &p = data.points[v];
-        Tie tie;
-        Vec3 foot;
-        const double square = tree.minimise(
-            std::numeric_limits<double>::infinity(), [&](std::size_t node) { return tree.box(node).square(p); },
-            [&](std::size_t item, double best) {
-                const auto &f = facets[item];
-                const TrianglePoint at =
-                    nearest_on_triangle(p, cloud.points[f[0]], cloud.points[f[1]], cloud.points[f[2]]);
-                if (at.square < best) {
-                    tie.corner = f;
-                    std::copy(at.weight, at.weight + 3, tie.weight.begin());
-                    foot = at.point;
-                }
-                return at.square;
-            });
-        const double distance = std::sqrt(square);
-        if (!(distance > 1e-9 * reference.diagonal()))
-            continue;
-        tie.normal = (1.0 / distance) * (foot - p);
-        tie.level = dot(tie.normal, p);
-        ties.push_back(tie);
-    }
+}
+
+} // namespace
+
+std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                             const Workers &workers) {
+    const auto &vertices = reference.data().points;
+    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
+    std::vector<std::size_t> first{0}; // tie per facet, then of the vertices
+    for (const auto &f : facets)
+        first.push_back(first.back() + samples_of(f));
+    std::vector<Tie> ties(first.back() + vertices.size()); // a place for each, so that threads can fill them
+    workers.for_each(facets.size(), 256,
+                     [&](std::size_t f) { tie_facet(cloud, reference, facets[f], &ties[first[f]]); });
+    const TriangleTree tree(cloud.points, facets);
+    workers.for_chunks(vertices.size(), 256, [&](std::size_t begin, std::size_t end) {
+        int near = -1;
+        for (std::size_t v = begin; v < end; ++v) {
+            const auto &patches = reference.patches_at_vertex(static_cast<int>(v));
+            if (std::all_of(patches.begin(), patches.end(), [&](int p) { return reference.planar(p); }))
+                continue;
+            const auto at = tree.nearest(vertices[v], near);
+            near = at.triangle;
+            const double distance = std::sqrt(at.square);
+            if (!(distance > 1e-9 * reference.diagonal()))
+                continue;
+            const Vec3 normal = (1.0 / distance) * (at.point - vertices[v]);
+            const std::array weight{at.weight[0], at.weight[1], at.weight[2]};
+            ties[first.back() + v] = {facets[at.triangle], weight, normal, dot(normal, vertices[v])};
+        }
+    });
+    std::erase_if(ties, [](const Tie &tie) { return tie.normal == Vec3{}; });
     return ties;
 }
 
 void fit_heights(Cloud &cloud, const Reference &reference, const std::vector<Tie> &ties,
-                 const std::vector<Vec3> &direction, const FitForm &form) {
+                 const std::vector<Vec3> &direction, const FitForm &form, const Workers &workers) {
     constexpr int kSweeps = 10;
     struct Use {
         int tie;
         double slope; // of the tie's height when the point rises
     };
     std::vector<double> height;
+    height.reserve(ties.size());
     for (const Tie &tie : ties)
         height.push_back(dot(tie.normal, blend(cloud, tie)) - tie.level);
     std::vector<std::size_t> first(cloud.count() + 1, 0);
@@ -124,12 +127,16 @@ void fit_heights(Cloud &cloud, const Reference &reference, const std::vector<Tie
     for (std::size_t v = 0; v < cloud.count(); ++v) {
         if (cloud.role[v] != Stratum::patch || reference.planar(cloud.label[v]) || first[v] == first[v + 1])
             continue;
-        Vec3 base = cloud.points[v];
-        const Foot foot = reference.nearest(base, cloud.label[v]);
-        reference.to_patch(base, cloud.label[v]);
-        risers.push_back({static_cast<int>(v), dot(cloud.points[v] - foot.point, direction[v]),
-                          dot(base - foot.point, direction[v])});
+        risers.push_back({static_cast<int>(v), 0.0, 0.0});
     }
+    workers.for_each(risers.size(), 512, [&](std::size_t i) {
+        const int v = risers[i].point;
+        Vec3 base = cloud.points[v];
+        const Foot foot = reference.nearest(base, cloud.label[v], cloud.near[v]);
+        reference.to_patch(base, foot);
+        risers[i].at = dot(cloud.points[v] - foot.point, direction[v]);
+        risers[i].wanted = dot(base - foot.point, direction[v]);
+    });
     const double scale = 1.0 / form.limit;
     for (int sweep = 0; sweep < kSweeps; ++sweep)
         for (Riser &r : risers) {

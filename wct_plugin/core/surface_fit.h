@@ -28,12 +28,13 @@ struct FitForm {
 
 /// Ties of all facets over curved patches, both ways: samples of each facet to the reference, and each vertex of the
 /// reference to the facet nearest to it, so that no peak sticks out between chords.
-std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference);
+std::vector<Tie> tie_surface(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                             const Workers &workers);
 
 /// Raise and lower the points of curved patches along their normals (`direction`) to where the ties are within the
 /// limit as far as possible, near their offsets otherwise.
 void fit_heights(Cloud &cloud, const Reference &reference, const std::vector<Tie> &ties,
-                 const std::vector<Vec3> &direction, const FitForm &form);
+                 const std::vector<Vec3> &direction, const FitForm &form, const Workers &workers);
 
 /// How many facets have a tie longer than the limit.
 std::size_t count_off(const Cloud &cloud, const std::vector<Tie> &ties, double limit);

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace wct {
+
+/// Runs loops on several threads.
+///
+/// Loops are cut into chunks of a size that does not depend on the number of threads, and each chunk writes to places
+/// of its own: so the results are the same bits whatever the number.
+class Workers {
+  public:
+    /// At least one: the caller's own.
+    explicit Workers(unsigned threads = 1) : threads_(std::max(1u, threads)) {}
+
+    /// Call body(first, last) for each chunk of 0..count, on any thread and in any order. Of what the chunks throw, the
+    /// first one's is thrown again once no thread is at work any more.
+    template <class Body> void for_chunks(std::size_t count, std::size_t chunk, const Body &body) const {
+        const std::size_t chunks = (count + chunk - 1) / chunk;
+        std::atomic<std::size_t> next{0};
+        std::mutex guard;
+        std::size_t failed = chunks;
+        std::exception_ptr thrown;
+        const auto work = [&] {
+            for (std::size_t c = next++; c < chunks; c = next++)
+                try {
+                    body(c * chunk, std::min(count, (c + 1) * chunk));
+                } catch (...) {
+                    const std::lock_guard lock(guard);
+                    if (c < failed) {
+                        failed = c;
+                        thrown = std::current_exception();
+                    }
+                }
+        };
+        std::vector<std::thread> others;
+        try {
+            while (others.size() + 1 < std::min<std::size_t>(threads_, chunks))
+                others.emplace_back(work);
+        } catch (const std::system_error &) { // the system has no more: those there are do it all
+        }
+        work();
+        for (std::thread &other : others)
+            other.join();
+        if (thrown)
+            std::rethrow_exception(thrown);
+    }
+
+    /// body(i) for each of 0..count.
+    template <class Body> void for_each(std::size_t count, std::size_t chunk, const Body &body) const {
+        for_chunks(count, chunk, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                body(i);
+        });
+    }
+
+  private:
+    unsigned threads_;
+};
+
+} // namespace wct
