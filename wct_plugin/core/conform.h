@@ -26,7 +26,7 @@ struct ConformForm {
 
     static constexpr int rounds = 80;
     static constexpr int patience = 20;   // rounds without progress
-    static constexpr double held = 0.7;   // distance of facets from the reference, in tolerances
+    static constexpr double held = 0.6;   // distance of facets from the reference, in tolerances
     static constexpr double least = 1e-6; // dual length, in circumradii
 };
 
