@@ -14,6 +14,7 @@ ROWS = {
     "194_paper": ["0.017", "0.776", "27.44", "89.03", "30.64", "126.08", "0.612", "1.228"],
     "194_best": ["0.051", "0.776", "24.47", "87.01", "25.40", "105.18", "0.617", "1.241"],
     "104": ["0.034", "0.959", "10.28", "88.05", "13.98", "120.22", "0.642", "2.982"],
+    "87": ["0.008", "0.970", "9.07", "89.54", "9.77", "130.24", "0.741", "3.194"],
     "84": ["0.000", "0.930", "12.54", "89.99", "15.65", "124.64", "0.816", "2.727"],
     "33": ["0.059", "0.855", "20.75", "90.00", "15.41", "137.09", "1.180", "1.468"],
     "32": ["0.018", "0.673", "23.17", "112.50", "20.56", "136.72", "0.636", "1.315"],
@@ -50,6 +51,13 @@ def test_each_cube_fills_the_cube(variant):
     triangles = mesh.points[mesh.topology.boundary]
     on_a_side = (triangles == triangles[:, :1]).all(axis=1) & np.isin(triangles[:, 0], (0, 3.0))
     assert on_a_side.any(axis=1).all()
+
+
+@pytest.mark.parametrize(("variant", "margin"), [("104", 0.034), ("87", 0.008), ("84", 0.0002)])
+def test_margins_are_those_that_the_page_tells(variant, margin):
+    found = quality.measure(cube(variant)[0])
+    least_cosine = np.cos(np.radians(found.max_face_angle.max()))
+    assert min(found.min_height.min(), least_cosine) == pytest.approx(margin, rel=0.05)
 
 
 @pytest.mark.parametrize(("ours", "papers"), [("194_best", 224), ("194", 194), ("32", 146)])
