@@ -1,6 +1,6 @@
 """Why no weights give some tets their orthocenters: conditions that contradict each other, proven exactly.
 
-That tet t has its orthocenter on the inner side of its facet f is linear in the weights w of its vertices: c + a . w > 0
+That a tet has its orthocenter on the inner side of a facet is linear in the weights w of its vertices: c + a . w > 0,
 with c and a from the points alone. If multipliers y >= 0, not all zero, give sum y a = 0 and sum y c <= 0, then no w
 whatsoever meets all conditions with y > 0, as the sum of y (c + a . w) would have to be positive (Farkas, *Theorie der
 einfachen Ungleichungen*, 1902). So at least one of their tets goes without its orthocenter, in any choice of weights.
@@ -14,6 +14,7 @@ for a factor. These are then solved for in integers, with nothing taken from the
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,6 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_array, vstack
 
 from wct_plugin import power, predicates
-from wct_plugin.mesh import TetMesh
 from wct_plugin.signs import exact_values
 
 Floats = NDArray[np.float64]
@@ -46,9 +46,20 @@ class Contradiction:
     #: of each condition, rounded, the largest 1; for the orthocenter's barycentric coordinate times its tet's volume^2
     multipliers: tuple[float, ...]
 
+    @property
+    def names(self) -> list[int]:
+        """The tets, ascending, each once."""
+        return sorted(set(self.tets))
 
-def contradiction(points: Floats, tets: Ints, heights: Floats, tet: int, kept: NDArray[np.bool_]) -> Contradiction | None:
-    """A proof that ``tet`` cannot have its orthocenter with all those tets near that are ``kept`` (m,), if there is one.
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers and lists."""
+        return {key: list(value) for key, value in vars(self).items()}
+
+
+def contradiction(
+    points: Floats, tets: Ints, heights: Floats, tet: int, kept: NDArray[np.bool_]
+) -> Contradiction | None:
+    """Proof that ``tet`` cannot have its orthocenter along with the tets near that are ``kept`` (m,), if there is one.
 
     ``heights`` (m, 4): of the orthocenters over the facets, for any weights.
     """
@@ -68,7 +79,7 @@ def separate(found: list[Contradiction]) -> int:
     """How many of the contradictions have no tet in common, the short ones first: so many tets at least are missed."""
     used: set[int] = set()
     count = 0
-    for one in sorted(found, key=lambda one: len(set(one.tets))):
+    for one in sorted(found, key=lambda one: len(one.names)):
         if used.isdisjoint(one.tets):
             used.update(one.tets)
             count += 1
@@ -98,11 +109,12 @@ def _contradicting(points: Floats, tets: Ints, heights: Floats, cells: Ints) -> 
 def _proven(points: Floats, tets: Ints, conditions: Ints) -> Contradiction | None:
     if len(conditions) > _MOST:
         return None
-    rows, constants = zip(*(_condition(points, tets, *divmod(int(one), 4)) for one in conditions), strict=True)
+    rows, constants, scales = zip(*(_condition(points, tets, *divmod(int(one), 4)) for one in conditions), strict=True)
     vertices = sorted(set().union(*rows))
     multipliers = _null_vector([[row.get(vertex, 0) for row in rows] for vertex in vertices])
     if multipliers is None or min(multipliers) < 0 or sum(map(int.__mul__, multipliers, constants)) > 0:
         return None
+    multipliers = list(map(int.__mul__, multipliers, scales))
     largest = max(multipliers)
     return Contradiction(
         tuple((conditions // 4).tolist()),
@@ -111,16 +123,20 @@ def _proven(points: Floats, tets: Ints, conditions: Ints) -> Contradiction | Non
     )
 
 
-def _condition(points: Floats, tets: Ints, tet: int, facet: int) -> tuple[dict[int, int], int]:
+def _condition(points: Floats, tets: Ints, tet: int, facet: int) -> tuple[dict[int, int], int, int]:
     """Integers a by vertex, and c, with c + a . w positive where the orthocenter is on the inner side of the facet.
 
-    They are in a unit of their own, the same for no two tets; the unit of w is that of all points.
+    That is the orthocenter's barycentric coordinate times 72 volume^2 times the third value.
     """
     corners = points[tets[tet]]
     constant = exact_values(predicates.circumcenter, corners)[facet]
     pulls = exact_values(predicates.pulls, corners)[4 * facet : 4 * facet + 4]
     scale = lcm(constant.denominator, *(pull.denominator for pull in pulls))
-    return {v: int(-pull * scale) for v, pull in zip(tets[tet].tolist(), pulls, strict=True)}, int(constant * scale)
+    return (
+        {v: int(-pull * scale) for v, pull in zip(tets[tet].tolist(), pulls, strict=True)},
+        int(constant * scale),
+        scale,
+    )
 
 
 def _null_vector(table: list[list[int]]) -> list[int] | None:
