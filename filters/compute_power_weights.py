@@ -15,8 +15,10 @@ from wct_plugin.negative_duals import negative_duals
 from wct_plugin.power_weights import power_weights
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 
-#: How many of the tets without their orthocenter the metrics name, and try to explain.
+#: How many of the tets without their orthocenter the metrics name.
 _NAMED = 100
+#: How many of those are explained, if they can be: a proof may take a second.
+_EXPLAINED = 25
 
 
 class PowerWeightsOptions(Options):
@@ -62,8 +64,8 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
         found = power_weights(mesh, self.options.margin, told)
         outside = np.flatnonzero(~(found.margins > 0))
         known = np.isfinite(found.margins)
-        named = [tet for tet in outside[:_NAMED].tolist() if known[tet]]
-        reasons = [contradiction(mesh.points, mesh.tets, found.heights, tet, found.margins > 0) for tet in named]
+        asked = [tet for tet in outside[:_EXPLAINED].tolist() if known[tet]]
+        reasons = [contradiction(mesh.points, mesh.tets, found.heights, tet, found.margins > 0) for tet in asked]
         proven = [one for one in reasons if one]
         if self.options.strict and len(outside):
             more = f" (nor {len(outside) - 1} more)" if len(outside) > 1 else ""

@@ -34,7 +34,7 @@ _NEARLY = 1e-9
 #: A multiplier of the programme, out of a sum of 1, that is not rounding.
 _PRESENT = 1e-12
 #: Conditions of a proof; the time of the proof grows steeply with their number.
-_MOST = 60
+_MOST = 50
 
 
 @dataclass(frozen=True)
