@@ -58,13 +58,17 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         check_manifold(mesh)
 
+        stopped = False
+
         def told(done: float, bad: int) -> bool:
-            return progress(Progress("weighing vertices", done, bad)) is not False
+            nonlocal stopped
+            stopped = progress(Progress("weighing vertices", done, bad)) is False
+            return not stopped
 
         found = power_weights(mesh, self.options.margin, told)
         outside = np.flatnonzero(~(found.margins > 0))
         known = np.isfinite(found.margins)
-        asked = [tet for tet in outside[:_EXPLAINED].tolist() if known[tet]]
+        asked = [] if stopped else [tet for tet in outside[:_EXPLAINED].tolist() if known[tet]]
         reasons = [contradiction(mesh.points, mesh.tets, found.heights, tet, found.margins > 0) for tet in asked]
         proven = [one for one in reasons if one]
         if self.options.strict and len(outside):
