@@ -73,7 +73,7 @@ class Topology:
     @cached_property
     def boundary(self) -> Ints:
         """(b, 3) boundary triangles, oriented outward."""
-        return self._facets(self.boundary_half_facets)
+        return self.facets(self.boundary_half_facets)
 
     @cached_property
     def interface_pairs(self) -> Ints:
@@ -85,9 +85,9 @@ class Topology:
     @cached_property
     def interfaces(self) -> Ints:
         """(k, 3) triangles between two regions, oriented out of the first tet of :attr:`interface_pairs`."""
-        return self._facets(self.interface_pairs[:, :2])
+        return self.facets(self.interface_pairs[:, :2])
 
-    def _facets(self, half_facets: Ints) -> Ints:
+    def facets(self, half_facets: Ints) -> Ints:
         """(k, 3) the triangles of rows of tet and local facet, oriented out of the tet."""
         triangles: Ints = self._tets[half_facets[:, :1], FACETS[half_facets[:, 1]]]
         return triangles
