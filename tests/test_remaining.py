@@ -82,7 +82,7 @@ def test_options_of_a_polyhedron():
     fixed = options(left(mesh, boundary="fixed"))
     assert fixed == {"interior": {"a larger effort"}} | {name: {"boundary=keep or move"} for name in CLASSES[1:]}
     slid = options(left(mesh, boundary="slide", connectivity="fixed"))
-    assert slid == dict.fromkeys(CLASSES, {RECONNECT})
+    assert all(slid[name] == {RECONNECT} for name in CLASSES)
     held = options(left(mesh, boundary="fixed", connectivity="fixed"))
     assert held["interior"] == {RECONNECT}
     assert all(f"boundary=slide, or {RECONNECT}" in held[name] for name in CLASSES[1:])
@@ -117,7 +117,7 @@ def test_a_crease_that_a_tag_makes_is_not_blamed_on_the_angle():
 
 
 def test_reasons_are_counted_by_kind_and_the_first_of_each_named():
-    """A quarter of Kuhn's boundary squares is enough: each is two right triangles, in four tets or fewer."""
+    """Each square of Kuhn's boundary is two right triangles."""
     mesh = kuhn_cube(2)
     found = left(mesh, goal="3wc", boundary="fixed")
     assert json.loads(json.dumps(found)) == found

@@ -1,4 +1,4 @@
-"""Vertices of flat patches and straight creases: what is ruled out stays out of reach, and what is next to it does not."""
+"""Flat patches and straight creases: what is ruled out stays out of reach, and what is next to it does not."""
 
 from dataclasses import replace
 
@@ -65,9 +65,9 @@ def test_a_face_vertex_with_few_facets_or_a_spanned_plane_never_has_acute_facets
 def test_a_face_vertex_with_five_facets_has_acute_ones():
     for seed in range(40):
         points, tets, free = on_a_face(5, 6, seed)
-        if not said_at(tagged(points, tets), 0):
-            if clearance(improved(points, tets, free, "2wc"), tets, "2wc") > 0.02:
-                return
+        open_to_all = not said_at(tagged(points, tets), 0)
+        if open_to_all and clearance(improved(points, tets, free, "2wc"), tets, "2wc") > 0.02:
+            return
     pytest.fail("none found")
 
 
@@ -85,12 +85,29 @@ def on_an_edge(one, two, inner, seed):
     angle = np.concatenate([[np.pi, 0.0], np.pi + turn[0], np.pi - turn[1]])
     rim = np.column_stack([np.cos(angle), np.sin(angle)])
     points, tets = part_of_a_star(rim, inside_of(rim, inner, rng), quarter_sphere)
+    if not inner:
+        tets = strip(one, two)
     points[1:3, :2] = points[3 : 3 + one, 1] = points[3 + one : 3 + one + two, 0] = 0.0
     free = np.ones_like(points, dtype=bool)
     free[:3] = False
     free[3 : 3 + one, 1] = False
     free[3 + one : 3 + one + two, 0] = False
     return points, tets, free
+
+
+def strip(one, two):
+    """Tets at vertex 0 that zigzag between its neighbours on the two faces, from end to end of the edge."""
+    left, right = [1, *range(3, 3 + one), 2], [1, *range(3 + one, 3 + one + two), 2]
+    tets = [[0, left[0], left[1], right[1]]]
+    i, j = 1, 1
+    while i < one or j < two:
+        if i < one and (i <= j or j == two):
+            tets.append([0, left[i], left[i + 1], right[j]])
+            i += 1
+        else:
+            tets.append([0, left[i], right[j + 1], right[j]])
+            j += 1
+    return np.array([*tets, [0, left[one], 2, right[two]]])[:, [1, 0, 2, 3]]
 
 
 def quarter_sphere(flat):
@@ -104,7 +121,7 @@ def quarter_sphere(flat):
 def test_an_edge_vertex_with_few_facets_or_a_short_way_along_it_never_has_acute_facets(one, two, inner, why):
     theorem = {"few": sheets.FEW_FACETS, "along": sheets.ALONG_CREASE}[why]
     best = -1.0
-    for seed in range(8):
+    for seed in range(3):
         points, tets, free = on_an_edge(one, two, inner, seed)
         if clearance(points, tets, "2wc") > -1.0:
             assert theorem in said_at(tagged(points, tets), 0)
@@ -115,16 +132,15 @@ def test_an_edge_vertex_with_few_facets_or_a_short_way_along_it_never_has_acute_
 def test_an_edge_vertex_with_inner_neighbours_between_the_faces_has_acute_facets():
     for seed in range(60):
         points, tets, free = on_an_edge(2, 2, 3, seed)
-        if clearance(points, tets, "2wc") > -1.0 and not said_at(tagged(points, tets), 0):
-            if clearance(improved(points, tets, free, "2wc"), tets, "2wc") > 0.02:
-                return
+        open_to_all = clearance(points, tets, "2wc") > -1.0 and not said_at(tagged(points, tets), 0)
+        if open_to_all and clearance(improved(points, tets, free, "2wc"), tets, "2wc") > 0.02:
+            return
     pytest.fail("none found")
 
 
 def test_faces_closer_than_90_degrees_do_not_connect():
-    """Two neighbours on faces 60 degrees apart may lie to different sides along the edge, and yet be at an acute angle."""
-    starts = (on_an_edge(2, 2, 0, seed)[:2] for seed in range(40))
-    points, tets = next(start for start in starts if clearance(*start, "2wc") > -1.0)
+    """On faces 63 degrees apart two neighbours may lie to different sides along the edge, and yet at an acute angle."""
+    points, tets, _ = on_an_edge(2, 2, 0, 0)
     assert sheets.ALONG_CREASE in said_at(tagged(points, tets), 0)
     sheared = points @ np.array([[1.0, 0, 0], [0.5, 1, 0], [0, 0, 1]])
     assert sheets.ALONG_CREASE not in said_at(tagged(sheared, tets), 0)
