@@ -28,7 +28,7 @@ Connectivity = Literal["fixed", "free"]
 
 __all__ = ["RECONNECT", "Boundary", "Connectivity", "Goal", "Reason", "reasons"]
 
-RECONNECT = "filters.meshing_well_centered, which reconnects"
+RECONNECT = "filters.meshing_well_centered"
 
 
 def reasons(
