@@ -142,6 +142,15 @@ def test_facets_end_as_much_before_the_surface_as_behind_it():
     assert quality.volumes(found["points"], found["tets"]).sum() == pytest.approx(full, rel=5e-3)
 
 
+@pytest.mark.parametrize("n", [2, 3])
+def test_no_tet_gives_the_goal_up_for_the_margins_of_others(n):
+    mesh = ball(n)
+    assert search(mesh, passes=6, kicks=400, margin=2e-3)["bad"] == 0
+    found = search(mesh, passes=6, kicks=400, margin=0.1)  # more than it can get everywhere
+    check_valid(found)
+    assert bad(found["points"], found["tets"]) == found["bad"] == 0
+
+
 def test_the_same_bits_twice():
     mesh = jittered_cube(3, 3)
     first, second = search(mesh, seed=4), search(mesh, seed=4)

@@ -7,6 +7,9 @@ namespace wct {
 
 namespace {
 constexpr double kLoose = 1.0; // how far beyond the tolerance a kick may go, in tolerances
+/// Shares of the kicks that refine the surface, at a facet beyond the tolerance and where nothing else has helped.
+constexpr double kRefineOver = 0.5;
+constexpr double kRefine = 0.25;
 } // namespace
 
 void Kicks::ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out) {
@@ -67,7 +70,13 @@ void Kicks::mend_valence(int t) {
     }
 }
 
-void Kicks::shake(int t, const Kick &kick) {
+void Kicks::refine_surface(int t) {
+    watch_.loose = kLoose;
+    repair_.insert_on_facet(t, std::numeric_limits<double>::infinity());
+    watch_.loose = 0.0;
+}
+
+void Kicks::shake(int t, const Kick &kick, bool stuck) {
     const Tet tet = complex_.tet(t);
     const Vec3 center =
         0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
@@ -84,6 +93,8 @@ void Kicks::shake(int t, const Kick &kick) {
         open_wedges(t);
     if (random_.coin())
         mend_valence(t);
+    if (random_.uniform() < (complex_.over(tet) > 0.0 ? kRefineOver : stuck ? kRefine : 0.0))
+        refine_surface(t);
     for (int k = 0; k < kick.operators; ++k) {
         const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
         if (complex_.used(v))
@@ -116,17 +127,16 @@ void Kicks::near_changed(const Vec3 &center, double radius) {
         changed_.push_back(t);
 }
 
-bool Kicks::repair(const Kick &kick, const Vec3 &center, double radius) {
+bool Kicks::repair(const Vec3 &center, double radius) {
     double previous = std::numeric_limits<double>::infinity();
-    const int rounds = kick.wide ? 7 : 4;
+    constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
         near_changed(center, radius);
-        repair_.pass(Repair::recipes[kick.wide ? round % 3 : std::min(round, 2)], changed_);
+        repair_.pass(Repair::recipes[std::min(round, 2)], changed_);
         const double gain = complex_.gain();
-        if (kick.wide ? (round >= 1 && gain > 6.0) || (round >= 3 && gain > 1.2)
-                      : (round >= 1 && gain > 1.5) || (round >= 2 && gain > 0.3))
+        if ((round >= 1 && gain > 1.5) || (round >= 2 && gain > 0.3))
             return false;
-        if (round > (kick.wide ? 4 : 1) && gain > previous - 1e-3)
+        if (round > 1 && gain > previous - 1e-3)
             break;
         previous = gain;
     }
@@ -134,28 +144,25 @@ bool Kicks::repair(const Kick &kick, const Vec3 &center, double radius) {
 }
 
 bool Kicks::once() {
-    static constexpr Kick kicks[] = {
-        {1.0, 0.12, 2, 4.0, false},  {1.4, 0.2, 4, 6.0, false},  {0.9, 0.3, 4, 10.0, false}, {1.7, 0.3, 8, 8.0, false},
-        {1.6, 0.35, 14, 30.0, true}, {2.2, 0.3, 16, 20.0, true}, {2.8, 0.25, 28, 20.0, true}};
-    constexpr int patience = 40; // failures before the next wide kick joins in
-    constexpr int small = 4;
+    static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0}, {1.4, 0.2, 4, 6.0}, {0.9, 0.3, 4, 10.0}, {1.7, 0.3, 8, 8.0}};
+    constexpr int few = 10; // failures
     const int t = agenda_.next();
     const int failures = agenda_.failures(t);
-    const int choices = std::min<int>(std::size(kicks), small + failures / patience);
-    const Kick &kick = kicks[random_.below(choices)];
+    const Kick &kick = kicks[random_.below(std::size(kicks))];
     const Tet tet = complex_.tet(t);
     const Vec3 center =
         0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
-    const double radius = (kick.wide ? 4.6 : 3.5) * complex_.vertex(tet[0]).size;
+    const double radius = 3.5 * complex_.vertex(tet[0]).size;
     // Where nothing has helped, the mesh may be too coarse: allow finer edges, and no coarser ones.
     constexpr double finer = 0.65;
-    const double scale = failures >= patience / 4 && random_.coin() ? finer : 1.0;
+    const bool stuck = failures >= few;
+    const double scale = stuck && random_.coin() ? finer : 1.0;
     operators_.shortest *= scale;
     operators_.longest *= scale;
     complex_.mark();
     const int over = complex_.over_count();
-    shake(t, kick);
-    const bool keep = repair(kick, center, radius) && complex_.over_count() <= over;
+    shake(t, kick, stuck);
+    const bool keep = repair(center, radius) && complex_.over_count() <= over;
     operators_.shortest /= scale;
     operators_.longest /= scale;
     if (!keep) {

@@ -8,8 +8,8 @@
 namespace wct {
 
 /// Iterated local search (Lourenço, Martin, Stützle 2003) at the tets that miss the goal: kick a neighbourhood, repair
-/// it, keep the result unless it got worse. Kicks grow with the number of failures at a place, as in variable
-/// neighbourhood search (Mladenović, Hansen 1997): most places yield to small ones, which cost least.
+/// it, keep the result unless it got worse. Kicks are small: of hundreds that reached farther, at places where nothing
+/// else had helped either, one in five hundred brought anything, at three times the cost.
 class Kicks {
   public:
     Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
@@ -28,7 +28,6 @@ class Kicks {
         double radius, sigma; // in local sizes
         int operators;
         double slack;
-        bool wide; // repaired farther out, and longer
     };
     void ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out);
     /// Two creases that meet in a corner at a right or obtuse angle span no acute facet: split every edge at the
@@ -37,11 +36,15 @@ class Kicks {
     /// Four facets round a vertex of a patch are not all acute unless it stands out like a tip, and the tolerance may
     /// not let it: flip an edge opposite to it, or do away with it. On the way facets may leave the tolerance.
     void mend_valence(int t);
-    void shake(int t, const Kick &kick);
+    /// A facet beyond the tolerance is too large for its place, and so may one be that will not get acute: give the
+    /// surface a vertex there at any price. Chance seldom finds the facet among those of the neighbourhood, and a
+    /// vertex more that is not relaxed yet costs more than the slack of a random operator.
+    void refine_surface(int t);
+    void shake(int t, const Kick &kick, bool stuck);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
     /// has been tried before.
     void near_changed(const Vec3 &center, double radius);
-    bool repair(const Kick &kick, const Vec3 &center, double radius);
+    bool repair(const Vec3 &center, double radius);
 
     TetComplex &complex_;
     Operators &operators_;

@@ -41,8 +41,9 @@ class Operators {
     /// circumspheres contain it: its facets are those of a Delaunay triangulation, as a split edge's are not.
     std::optional<int> insert_on_surface(const Facet &at, const Vec3 &near, double slack);
 
-    /// The landmark farthest from a facet that is beyond the tolerance of it: a vertex there covers it best.
-    std::optional<Vec3> uncovered(const Facet &key) const;
+    /// Where the surface and a facet beyond the tolerance are farthest apart: the landmark farthest from the facet, or
+    /// else the point of the surface where the facet is farthest from it. A vertex there covers it best.
+    std::optional<Vec3> farthest(const Facet &key) const;
 
     bool ring(int a, int b, Ring &ring) const;
     std::vector<int> touched;

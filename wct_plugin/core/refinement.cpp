@@ -6,21 +6,28 @@
 
 namespace wct {
 
-std::optional<Vec3> Operators::uncovered(const Facet &key) const {
+std::optional<Vec3> Operators::farthest(const Facet &key) const {
     if (complex_.over(key) <= 0.0)
         return std::nullopt;
     std::optional<Vec3> worst;
-    double farthest = guide_.tolerance();
+    double most = guide_.tolerance();
     const std::array<Vec3, 3> corners = complex_.corners(key);
     for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
         const Vec3 &point = guide_.landmarks()[l].point;
         const double distance = norm(point - closest_on(corners, point));
-        if (distance > farthest) {
-            farthest = distance;
+        if (distance > most) {
+            most = distance;
             worst = point;
         }
     }
-    return worst;
+    if (worst)
+        return worst;
+    SurfaceHints hints = complex_.hints(key);
+    const auto gap = guide_.gap(complex_.patch_of(key[0], key[1], key[2]), corners, hints);
+    if (gap.distance <= guide_.tolerance())
+        return std::nullopt;
+    const Vec3 &w = gap.weights;
+    return w.x * corners[0] + w.y * corners[1] + w.z * corners[2] + gap.to_surface;
 }
 
 std::optional<int> Operators::split(int a, int b, double slack) {
@@ -51,7 +58,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     }
     if (middle.stratum == Stratum::patch)
         for (int apex : facet_apices)
-            if (const auto peak = uncovered(sorted(a, b, apex)))
+            if (const auto peak = farthest(sorted(a, b, apex)))
                 middle.position = *peak;
     if (!guide_.admit(middle, middle.position))
         return std::nullopt;

@@ -99,7 +99,7 @@ bool Repair::insert_on_facet(int t, double slack) {
             chosen = Facet{tet[p], tet[q], tet[r]};
     if (!chosen)
         return false;
-    if (const auto peak = operators_.uncovered(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2])))
+    if (const auto peak = operators_.farthest(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2])))
         return operators_.insert_on_surface(*chosen, *peak, slack).has_value();
     Vec3 x;
     double sum = 0.0;

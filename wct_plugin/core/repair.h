@@ -43,6 +43,8 @@ class Repair {
     void pass_changed(int recipe, const std::vector<int> &tets);
     /// A random change of connectivity at t that need not be good.
     bool random_operator(int t, double slack);
+    /// A new vertex on a surface facet of t: where the facet is farthest beyond the tolerance, or anywhere on it.
+    bool insert_on_facet(int t, double slack);
     /// Flips that lower the energy, round the given vertices.
     void flip_round(const std::vector<int> &vertices);
 
@@ -50,7 +52,6 @@ class Repair {
     bool attempt(unsigned kind, int variant, int t, double slack);
     bool chain(int t);
     bool insert_inside(int t, bool anywhere, double slack);
-    bool insert_on_facet(int t, double slack);
     void relax_touched(const Recipe &recipe);
     void improve(const Recipe &recipe, int t);
     bool changed_since(int t, int when) const;

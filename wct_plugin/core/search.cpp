@@ -104,7 +104,25 @@ void Search::polish() {
     }
 }
 
-bool Search::kick_until_good(const SearchProgress &progress, const char *phase, double patient) {
+void Search::widen_margins(const SearchProgress &progress) {
+    constexpr double patient = 0.125; // of the patience for tets that miss the goal itself
+    // So many evaluations per tet are margins worth: a few tets short of them would take longer than all the rest.
+    const double worth = std::min(options_.worth, static_cast<double>(options_.kicks));
+    const int before = count_bad(); // on facets that rule the goal out
+    complex_.mark();
+    polish();
+    adopt(margin_form(options_.acute, options_.margin));
+    sweep(1);
+    kick_until_good(progress, "margin", patient, worth);
+    // Several margins may have been bought with a tet that misses the goal.
+    adopt(sharp_form(options_.acute));
+    if (!outcome_.stopped)
+        kick_until_good(progress, "margin", patient, worth);
+    count_bad() > before ? complex_.rollback() : complex_.commit();
+    adopt(margin_form(options_.acute, options_.margin));
+}
+
+bool Search::kick_until_good(const SearchProgress &progress, const char *phase, double patient, double worth) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
@@ -113,7 +131,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase, 
     Price price;
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = std::max(1L, static_cast<long>(patient * static_cast<double>(patience(least))));
-        if (vain >= limit || !worthwhile(price, least))
+        if (vain >= limit || !worthwhile(price, least, worth))
             return false;
         if (done % rest == 0)
             complex_.resum();
@@ -142,10 +160,9 @@ void Search::Price::add(double evaluations, int fewer) {
     gone = keep * gone + fewer;
 }
 
-bool Search::worthwhile(const Price &price, int bad) const {
+bool Search::worthwhile(const Price &price, int bad, double worth) const {
     constexpr double small = 3000.0; // tets: a mesh of less is worth as much
-    return price.spent < options_.worth * small ||
-           price.work * bad <= options_.worth * static_cast<double>(complex_.tets()) * price.gone;
+    return price.spent < worth * small || price.work * bad <= worth * static_cast<double>(complex_.tets()) * price.gone;
 }
 
 long Search::patience(int bad) const {
@@ -178,14 +195,10 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
-    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", 1.0) && report("kicks", 1.0);
-    if (good) {
-        polish();
-        adopt(margin_form(options_.acute, options_.margin));
-        sweep(1);
-        constexpr double patient = 0.125; // of the patience for tets that miss the goal itself
-        kick_until_good(progress, "margin", patient);
-    }
+    const bool good =
+        !outcome_.stopped && kick_until_good(progress, "kicks", 1.0, options_.worth) && report("kicks", 1.0);
+    if (good)
+        widen_margins(progress);
     SurfaceBalance(complex_, energy_, guide_, descent_).run();
     adopt(sharp_form(options_.acute));
     outcome_.bad = count_bad();

@@ -55,10 +55,13 @@ class Search {
         double gone = 0.0;  // bad tets, of late
         void add(double evaluations, int fewer);
     };
-    bool worthwhile(const Price &price, int bad) const;
-    /// Kick until no tet is bad, or as long as it pays; `patient` is a share of the patience.
-    bool kick_until_good(const SearchProgress &progress, const char *phase, double patient);
+    bool worthwhile(const Price &price, int bad, double worth) const;
+    /// Kick until no tet is bad, or as long as it pays; `patient` is a share of the patience, `worth` as of the
+    /// options.
+    bool kick_until_good(const SearchProgress &progress, const char *phase, double patient, double worth);
     void polish();
+    /// Where all tets meet the goal: more clearance for those that do so narrowly, and none the worse for it.
+    void widen_margins(const SearchProgress &progress);
     double clearance() const;
 
     TetComplex &complex_;

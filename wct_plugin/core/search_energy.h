@@ -39,6 +39,8 @@ class SearchEnergy {
     void adopt(const SearchForm &form) { form_ = form; }
     /// Energy at or above which a tet misses the goal: the count term is in it.
     bool bad(double energy) const { return energy >= form_.count; }
+    /// The same where the form also counts tets that are only short of a margin.
+    bool misses_goal(double energy) const { return energy >= form_.count + form_.hard_count; }
 
     /// Energies of tets on the complex's vertices; infinite where flat or inverted.
     void of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const;

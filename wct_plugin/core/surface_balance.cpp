@@ -43,19 +43,25 @@ std::vector<double> SurfaceBalance::offsets() {
     return sum;
 }
 
-int SurfaceBalance::bad_around(int v) const {
-    const auto &star = complex_.star(v);
-    return static_cast<int>(
-        std::count_if(star.begin(), star.end(), [&](int t) { return energy_.bad(complex_.energy(t)); }));
+SurfaceBalance::Short SurfaceBalance::short_around(int v) const {
+    Short found;
+    for (int t : complex_.star(v)) {
+        found.of_margin += energy_.bad(complex_.energy(t));
+        found.of_goal += energy_.misses_goal(complex_.energy(t));
+    }
+    return found;
 }
 
 bool SurfaceBalance::shift(int v, double by) {
-    const int before = bad_around(v);
+    const Short before = short_around(v);
     complex_.mark();
     const Vec3 x = complex_.point(v) + by * guide_.normal(complex_.vertex(v).label, complex_.point(v));
-    if (descent_.nudge(v, x) && bad_around(v) <= before) {
-        complex_.commit();
-        return true;
+    if (descent_.nudge(v, x)) {
+        const Short after = short_around(v);
+        if (after.of_margin <= before.of_margin && after.of_goal <= before.of_goal) {
+            complex_.commit();
+            return true;
+        }
     }
     complex_.rollback();
     return false;

@@ -21,7 +21,11 @@ class SurfaceBalance {
     /// Mean signed distance of the facets from each curved patch, in front of its triangles positive.
     std::vector<double> offsets();
     bool shift(int v, double by);
-    int bad_around(int v) const;
+    /// Tets at v that are short of the margin asked for, and those of them that miss the goal itself.
+    struct Short {
+        int of_margin = 0, of_goal = 0;
+    };
+    Short short_around(int v) const;
 
     TetComplex &complex_;
     const SearchEnergy &energy_;
