@@ -105,7 +105,7 @@ def _sides(mesh: TetMesh, triangles: Ints) -> Ints:
         touched = np.zeros(len(mesh.points), dtype=bool)
         touched[inner] = True
         pairs = pairs[touched[mesh.tets[pairs[:, 0]]].sum(axis=1) >= 3]
-        from_first = np.sort(topology.facets(pairs[:, :2]), axis=1)
+        from_first = np.sort(topology.triangles_of(pairs[:, :2]), axis=1)
         pairs = pairs[find_rows(from_first, np.sort(inner, axis=1), len(mesh.points))]
     else:
         pairs = pairs[:0]
