@@ -22,7 +22,7 @@ demo: $(VENV)/.demo
 		bone.vtu --html bone.html; code=$$?; [ $$code -le 1 ] && echo "wrote bone.vtu and bone.html" && exit 0; exit $$code
 
 test: $(VENV)/.test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n logical --dist loadfile
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .

@@ -42,7 +42,7 @@ class ComputeScalarByWellCenteredness(Filter[WellCenterednessOptions]):
             "max_face_angle": measured.max_face_angle,
             "max_dihedral_angle": measured.max_dihedral_angle,
             **{name: flag.astype(np.int8) for name, flag in flags.items()},
-            "min_dual_length": _shortest(mesh, dual.lengths),
+            "min_dual_length": duals.shortest_lengths(mesh, dual.lengths),
         }
         marked = replace(
             mesh,
@@ -50,13 +50,3 @@ class ComputeScalarByWellCenteredness(Filter[WellCenterednessOptions]):
             point_data={**mesh.point_data, "dual_volume": dual.volumes},
         )
         return marked, {name.removeprefix("is_"): int(flag.sum()) for name, flag in flags.items()}
-
-
-def _shortest(mesh: TetMesh, lengths: quality.Floats) -> quality.Floats:
-    """(m,) the least of ``lengths`` (f,), ordered as in :class:`duals.Duals`, over each tet's four facets."""
-    pairs, border = mesh.topology.interior_pairs, mesh.topology.boundary_half_facets
-    out = np.full(len(mesh.tets), np.inf)
-    np.minimum.at(out, pairs[:, 0], lengths[: len(pairs)])
-    np.minimum.at(out, pairs[:, 2], lengths[: len(pairs)])
-    np.minimum.at(out, border[:, 0], lengths[len(pairs) :])
-    return out

@@ -94,6 +94,13 @@ def jittered_cube(n: int, seed: int = 0, amount: float = 0.25) -> TetMesh:
     return delaunay((points + shift) / n)
 
 
+def shaken_cube(n: int, seed: int = 0, amount: float = 0.25) -> TetMesh:
+    """The unit cube's Kuhn grid, all points shifted by up to ``amount`` cells: not Delaunay, many duals negative."""
+    mesh = kuhn_cube(n)
+    shift = np.random.default_rng(seed).uniform(-amount / n, amount / n, mesh.points.shape)
+    return TetMesh(mesh.points + shift, mesh.tets)
+
+
 def delaunay(points: Floats, flattest: float = 1e-9) -> TetMesh:
     """Delaunay of points, without tets flatter than ``flattest`` (volume over cube of longest edge) on the hull."""
     tets = Delaunay(points).simplices.astype(np.int64)

@@ -26,3 +26,17 @@ def wait_until(true: Callable[[], bool], seconds: float = 20.0) -> None:
     while not true():
         assert time.monotonic() < end, "it did not happen"
         time.sleep(0.02)
+
+
+def children(word: str) -> list[int]:
+    """Our own child processes whose command line has ``word`` in it."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((process / "stat").read_text().rpartition(")")[2].split()[1])
+            command = (process / "cmdline").read_bytes().decode()
+        except OSError:  # it has ended meanwhile
+            continue
+        if parent == os.getpid() and word in command:
+            found.append(int(process.name))
+    return found

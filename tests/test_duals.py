@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from builders import ball, bcc, jittered_cube, kuhn_cube, regular_tet, rotation, single, two_region_cube
+from flags import signed_duals
 from scipy.spatial import ConvexHull, Voronoi
 
 from wct_plugin import quality
@@ -137,7 +138,7 @@ def test_regions_do_not_matter_to_the_tier():
 
 
 def test_delaunay_with_positive_boundary_makes_all_duals_positive():
-    """The theorem behind the one-sided tier, on meshes that have it and are not well-centered."""
+    """The theorem behind the one-sided tier, on meshes that have it, no obtuse boundary, and are not well-centered."""
     found = 0
     for seed in range(6):
         mesh = jittered_cube(4, seed=seed, amount=0.1)
@@ -167,3 +168,58 @@ def test_three_well_centered_meshes_have_positive_duals():
         assert tiers(moved).well_centered_3
         dual = duals(moved)
         assert min(dual.lengths.min(), dual.areas.min(), dual.volumes.min()) > 0
+
+
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("mesh", [kuhn_cube(2), jittered_cube(2, 5), ball(2)])
+def test_every_entry_is_what_the_definition_gives(mesh, weighted):
+    """Signs included: the weights are large enough to carry many orthocenters out of their tets."""
+    edges = mesh.points[mesh.topology.edges]
+    scale = (np.diff(edges, axis=1) ** 2).sum(axis=2).mean()
+    weights = np.random.default_rng(3).uniform(0.0, 0.7, len(mesh.points)) * scale if weighted else None
+    of = duals(mesh, weights)
+    volumes, areas, lengths = signed_duals(mesh, weights)
+    assert of.volumes == pytest.approx([volumes[v,] for v in range(len(mesh.points))], abs=1e-11)
+    assert of.areas == pytest.approx([areas[tuple(edge)] for edge in mesh.topology.edges.tolist()], abs=1e-11)
+    facets = [tuple(sorted(facet)) for facet in mesh.topology.facets.tolist()]
+    assert of.lengths == pytest.approx([lengths[facet] for facet in facets], abs=1e-11)
+    assert not weighted or min(of.volumes.min(), of.areas.min(), of.lengths.min()) < 0
+    assert of.volumes.sum() == pytest.approx(quality.volumes(mesh.points, mesh.tets).sum(), rel=1e-12)
+
+
+def test_a_constant_weight_changes_nothing():
+    mesh = jittered_cube(3)
+    plain, lifted = duals(mesh), duals(mesh, np.full(len(mesh.points), 1e6))
+    for name in ("volumes", "areas", "lengths"):
+        assert getattr(lifted, name) == pytest.approx(getattr(plain, name), rel=1e-12, abs=1e-15)
+
+
+def test_a_material_per_tet_is_not_averaged():
+    """Materials one at a time add up to all; the star of a layered bar is that of its layers."""
+    mesh = two_region_cube(4)
+    both = duals(mesh, coefficient=np.where(mesh.regions == 1, 2.0, 5.0))
+    one, two = (duals(mesh, coefficient=(mesh.regions == tag).astype(float)) for tag in (1, 2))
+    for name in ("volumes", "areas", "lengths"):
+        parts = 2.0 * getattr(one, name) + 5.0 * getattr(two, name)
+        assert getattr(both, name) == pytest.approx(parts, abs=1e-14)
+    assert one.volumes.sum() == pytest.approx(0.5)
+    edges = mesh.topology.edges
+    interface = (mesh.points[edges][..., 2] == 0.5).all(axis=1)
+    inner = interface & ~mesh.topology.boundary_points[edges].any(axis=1)
+    along = inner & (np.abs(np.diff(mesh.points[edges], axis=1)[:, 0]).max(axis=1) == 0.25)
+    straight = along & ((np.diff(mesh.points[edges], axis=1)[:, 0] != 0).sum(axis=1) == 1)
+    assert straight.any()
+    assert both.areas[straight] == pytest.approx(3.5 / 16.0)  # half of a square face of side 1/4 in each
+
+
+def test_the_errors_are_bounds():
+    """Coordinates taken in another order round otherwise; flat tets, so that it shows."""
+    mesh = jittered_cube(3)
+    flat = TetMesh(mesh.points * [1.0, 1.0, 1e-4], mesh.tets)
+    of, turned = duals(flat), duals(TetMesh(flat.points[:, [2, 0, 1]], flat.tets))
+    for name, errors in (("volumes", "volume_errors"), ("areas", "area_errors"), ("lengths", "errors")):
+        bounds = getattr(of, errors) + getattr(turned, errors)
+        apart = np.abs(getattr(of, name) - getattr(turned, name))
+        assert np.isfinite(bounds).all()
+        assert (apart <= bounds).all()
+        assert apart.max() > 0

@@ -98,7 +98,7 @@ def test_regular_tet_closed_forms():
     args = mesh.points, mesh.tets
     assert np.allclose(quality.heights_over_radius(*args), 1.0 / 3.0)
     assert np.allclose(quality.face_angles(*args), 60.0)
-    assert np.allclose(quality.face_cotangents(*args), 1.0 / np.sqrt(3.0))
+    assert np.allclose(quality.heights_and_cotangents(*args)[2], 1.0 / np.sqrt(3.0))
     assert np.allclose(quality.dihedral_angles(*args), np.degrees(np.arccos(1.0 / 3.0)))
     assert np.allclose(quality.radius_over_edge(*args), np.sqrt(3.0 / 8.0))
     assert np.allclose(quality.volumes(*args), 8.0 / (6.0 * np.sqrt(2.0)))

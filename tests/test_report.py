@@ -8,7 +8,9 @@ import pytest
 from builders import PAPER_TETS, ball, bcc, jittered_cube, kuhn_cube, rotation, single, two_region_cube
 
 from wct_plugin import quality
+from wct_plugin.duals import duals
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.negative_duals import negative_duals
 from wct_plugin.remaining import remaining
 from wct_plugin.report import make_report
 from wct_plugin.report_text import text_histogram, text_histograms
@@ -65,6 +67,7 @@ def test_dict_of_a_mesh():
     negative = np.array(found["histograms"]["h/R"]["counts"])[np.array(found["histograms"]["h/R"]["edges"])[1:] <= 0]
     assert negative.sum() == (measured.min_height < 0).sum()
     assert found["deviation"] is found["tolerance"] is None
+    assert found["negative_duals"] == negative_duals(mesh, duals(mesh)).to_dict()
     assert sum(row["tets"] for row in found["bad_by_place"].values()) == len(mesh.tets)
     assert sum(row["not_3wc"] for row in found["bad_by_place"].values()) == (~measured.well_centered_3).sum()
     assert sum(row["not_cwc"] for row in found["bad_by_place"].values()) == (~measured.completely_well_centered).sum()

@@ -122,3 +122,15 @@ def test_large_point_numbers_sort_like_small_ones():
     spread = Topology(mesh.tets * 100_000, mesh.regions, 100_000 * len(mesh.points))
     assert (spread.adjacency == mesh.topology.adjacency).all()
     assert (spread.edges == mesh.topology.edges * 100_000).all()
+
+
+@pytest.mark.parametrize("mesh", [two_region_cube(2), jittered_cube(3)])
+def test_rows_of_edges_and_facets(mesh):
+    topology = mesh.topology
+    assert np.array_equal(topology.edges[topology.tet_edges], np.sort(mesh.tets[:, EDGES], axis=2))
+    named = np.sort(topology.facets, axis=1)
+    assert np.array_equal(named[topology.tet_facets], np.sort(mesh.tets[:, FACETS], axis=2))
+    assert len(np.unique(named, axis=0)) == len(named)
+    assert np.array_equal(topology.facets[len(topology.interior_pairs) :], topology.boundary)
+    opposite = np.sort(topology.facets[:, [[1, 2], [2, 0], [0, 1]]], axis=2)
+    assert np.array_equal(topology.edges[topology.facet_edges], opposite)

@@ -17,6 +17,7 @@ except ImportError as error:
     ) from error
 
 from wct_plugin.adapters.meshio import read, write
+from wct_plugin.batch import run_batch
 from wct_plugin.constructors import Filter, Reader, Writer
 from wct_plugin.errors import InputError, NeighbourError, OptionError, OutputError, WctError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
@@ -41,5 +42,6 @@ __all__ = [
     "Writer",
     "apply_filter",
     "read",
+    "run_batch",
     "write",
 ]

@@ -17,10 +17,13 @@ import click
 
 import wct_plugin as wct
 from wct_plugin import cli_options, pipeline_json, stage_page
+from wct_plugin.cli_batch import batch
 from wct_plugin.cli_create import create
+from wct_plugin.cli_group import Commands, completion
 from wct_plugin.cli_report import report
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
+    FAILED,
     GOAL_MET,
     GOAL_MISSED,
     check_outputs,
@@ -34,7 +37,7 @@ from wct_plugin.cli_show import (
     write_text,
 )
 from wct_plugin.ends import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
-from wct_plugin.errors import OptionError, WctError, WctWarning
+from wct_plugin.errors import OptionError, WctError, WctWarning, one_line
 from wct_plugin.flow import side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
@@ -47,10 +50,14 @@ _MESHER = "generate_tetrahedralization"
 _MESHER_PREFIX = "mesher_"
 
 
+def _complete_filter(_context: click.Context, _param: click.Parameter, begun: str) -> list[str]:
+    return [name for name in filter_names() if name.startswith(begun)]
+
+
 # --- commands -------------------------------------------------------------------------------------------------------
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="wct_plugin")
 def cli() -> None:
     """Make tetrahedral meshes well-centered, and say how well-centered they are."""
@@ -59,6 +66,8 @@ def cli() -> None:
 cli.add_command(run_pipeline)
 cli.add_command(report)
 cli.add_command(create)
+cli.add_command(batch)
+cli.add_command(completion)
 
 
 @cli.command()
@@ -150,7 +159,7 @@ def _optimizing(
 
 
 @cli.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=_complete_filter)
 @click.option("--json", "json_path", metavar="FILE", help="Write the declarations as JSON schema (- for stdout)")
 @click.option("--markdown", "markdown_path", metavar="FILE", help="Write the filters' pages as Markdown (- for stdout)")
 def filters(name: str | None, json_path: str | None, markdown_path: str | None) -> int:
@@ -194,13 +203,15 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return fail(error.format_message())
     except WctError as error:
         return fail(str(error))
+    except BrokenPipeError:  # whoever read stdout has read enough, as head does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except (KeyboardInterrupt, click.Abort):
         return fail("interrupted; nothing was written")
     except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
         if os.environ.get("WCT_TRACEBACK"):
             raise
-        where = " ".join(["internal error", *getattr(error, "__notes__", [])])
-        return fail(f"{where}, please report it: {type(error).__name__}: {error} (WCT_TRACEBACK=1 shows where)")
+        return fail(f"{one_line(error)} (WCT_TRACEBACK=1 shows where)")
     return code if isinstance(code, int) else GOAL_MET
 
 

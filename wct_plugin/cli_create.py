@@ -1,10 +1,12 @@
 """``wct create``: meshes from nothing, one subcommand per filter that makes one."""
 
+import shlex
 from typing import Any
 
 import click
 
 from wct_plugin import cli_options
+from wct_plugin.cli_group import with_comfort
 from wct_plugin.cli_show import GOAL_MET, out, print_metrics, progress_bar, table
 from wct_plugin.ends import WriteMesh
 from wct_plugin.errors import OptionError, WctError
@@ -56,7 +58,9 @@ def _command(name: str, stage: type[Filter[Options]]) -> click.Command:
 
     with_options = cli_options.filter_options(stage.name)(run)
     with_target = click.argument("target", metavar="OUT")(with_options)
-    return click.command(name, help=about(stage), short_help=stage.summary())(with_target)
+    command = click.command(name, help=about(stage), short_help=stage.summary())(with_target)
+    given = (part for option, value in stage.example.items() for part in (cli_options.flag(option), str(value)))
+    return with_comfort(command, shlex.join(["wct", "create", name, f"{name}.vtu", *given]))
 
 
 @click.group("create", cls=_Creations, invoke_without_command=True, subcommand_metavar="NAME OUT [OPTIONS]...")

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 
 import click
+from click.shell_completion import CompletionItem
 from rich.text import Text
 
 from wct_plugin import chains
@@ -20,8 +21,24 @@ _READY_MADE = "\b\nReady-made pipelines:\n" + "\n".join(
 )
 
 
+def read_pipeline(chain: str, settings: Sequence[str]) -> Pipeline:
+    """The pipeline of a JSON file, of stdin (``-``) or of a ready-made one's name."""
+    content = sys.stdin.buffer.read() if chain == "-" else chains.read(chain)
+    try:
+        return Pipeline.from_json(content, settings)
+    except WctError as error:
+        error.args = (f"{'stdin' if chain == '-' else chain}: {error}", *error.args[1:])
+        raise
+
+
+def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Ready-made pipelines, and files."""
+    ready = [CompletionItem(name) for name in chains.names() if name.startswith(begun)]
+    return [*ready, CompletionItem(begun, type="file")]
+
+
 @click.command("run", epilog=_READY_MADE)
-@click.argument("chain", metavar="PIPELINE", required=False)
+@click.argument("chain", metavar="PIPELINE", required=False, shell_complete=complete_pipeline)
 @click.argument("paths", metavar="[IN [OUT...]]", nargs=-1)
 @click.option(
     "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
@@ -52,12 +69,7 @@ def run_pipeline(
         return GOAL_MET
     if chain is None:
         raise click.UsageError("Missing argument 'PIPELINE'.")
-    content = sys.stdin.buffer.read() if chain == "-" else chains.read(chain)
-    try:
-        pipeline = Pipeline.from_json(content, settings)
-    except WctError as error:
-        error.args = (f"{'stdin' if chain == '-' else chain}: {error}", *error.args[1:])
-        raise
+    pipeline = read_pipeline(chain, settings)
     if paths:
         pipeline = pipeline.between(paths[0], paths[1:])
     if validate:

@@ -1,9 +1,10 @@
 """What ``wct`` prints: results to stdout; progress, warnings and errors to stderr, errors as one line."""
 
+import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -19,6 +20,7 @@ from rich.text import Text
 
 from wct_plugin import certificate, files, stage_page
 from wct_plugin.errors import WctWarning
+from wct_plugin.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.report import Report, short_names
 from wct_plugin.report_text import text_histograms
 from wct_plugin.result import Result
@@ -28,11 +30,26 @@ GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
 
 
 def _width(stream: Any) -> int | None:
-    return None if stream.isatty() else 120  # a pipe has no width of its own; rich would take 80 and cut tables
+    """The width to print at: a terminal's own, or that of COLUMNS; rich would take 80 for a pipe and cut tables."""
+    given = os.environ.get("COLUMNS", "")
+    if given.isdecimal() and int(given) > 0:
+        return int(given)
+    return None if stream.isatty() else 120
 
 
 out = Console(highlight=False, width=_width(sys.stdout))
 err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+
+
+def be_quiet() -> Callable[[], None]:
+    """Print nothing but errors until what this gives is called."""
+    before = out.quiet, err.quiet
+    out.quiet = err.quiet = True
+
+    def talk() -> None:
+        out.quiet, err.quiet = before
+
+    return talk
 
 
 # --- progress and Ctrl-C --------------------------------------------------------------------------------------------
@@ -108,6 +125,7 @@ def print_report(report: Report) -> None:
     out.print(table("Ranges", ("", "min", "max"), report.rows_ranges()))
     out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
     out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
+    out.print(table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows()))
     out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
     _print_histograms([report], "", 40)
     if report.worst:
@@ -127,6 +145,8 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
 
     beside("Summary", [one.rows_summary() for one in reports])
     beside("Tiers", [one.rows_tiers() for one in reports])
+    for k, where in ((1, "inside"), (2, "on the boundary")):
+        beside(f"Negative duals {where}", [[(r[0], r[k]) for r in one.negative_duals.rows()] for one in reports])
     for k, kind in ((2, "not 3WC"), (3, "not CWC")):
         beside(f"Where the tets are that are {kind}", [[(r[0], r[k]) for r in one.rows_places()] for one in reports])
     share = out.width // len(reports)
@@ -203,6 +223,7 @@ def print_page(stage: type[Filter[Options]]) -> None:
 
 def fail(message: str) -> int:
     """Print an error as one line and give its exit code."""
+    err.quiet = False
     err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
     return FAILED
 

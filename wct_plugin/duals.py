@@ -6,8 +6,11 @@ a facet, l an edge of that facet and gamma the facet's angle opposite the edge, 
 l cot(gamma) / 2 from the edge, so the orthoscheme at either end of the edge has volume l^2 cot(gamma) h / 24 and its
 dual face area l cot(gamma) h / 4.
 
-Signs as in Hirani, Kalyanaraman and VanderZee, "Delaunay Hodge star", Computer-Aided Design 45 (2013): in a mesh that
-is pairwise Delaunay, and one-sided at its boundary, all signed duals are positive.
+Signs as in Hirani, Kalyanaraman and VanderZee, "Delaunay Hodge star", Computer-Aided Design 45 (2013). In a mesh that
+is pairwise Delaunay, and one-sided at its boundary, the dual of every interior vertex, edge and facet is a convex cell
+with positive measure, and so are those on the boundary if its triangles are acute. If one is obtuse, its circumcenter
+lies beyond the longest edge, and the dual area of that edge may be negative even where all tets contain theirs: the
+tet (-0.88, 0.42, -0.22), (-0.51, 0.74, -0.45), (-0.06, 0.97, -0.23), (0.67, -0.67, 0.32) has one of -0.129.
 """
 
 from dataclasses import dataclass
@@ -15,32 +18,35 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import quality
+from wct_plugin import power, quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.quality import Quality
-from wct_plugin.topology import EDGES, FACETS
+from wct_plugin.topology import OPPOSITE_EDGES
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: Names of the tiers, each implying those before it; :attr:`Tiers.reached` is an index into them.
 TIERS = ("valid", "Delaunay", "one-sided", "3WC", "CWC")
 #: Circumcenters this much the wrong way round, as a fraction of their mean circumradius, still count as Delaunay.
 COSPHERICAL = 1e-9
 
-#: Per face angle column (facet, vertex): the edge of the facet opposite that vertex, as a row of EDGES.
-_PAIRS = [[int(p), int(q)] for p, q in EDGES]
-_OPPOSITE = np.array([_PAIRS.index(sorted(int(x) for x in FACETS[f] if x != v)) for f in range(4) for v in FACETS[f]])
+#: Rounding error of a cotangent over 1 + its square; see the module ``quality``, whose bound of the dot product is 6.
+_EPS = 16.0 * 2.0**-53
 
 
 @dataclass(frozen=True, eq=False)
 class Duals:
-    """Signed measures of the dual cells, in the mesh's own unit, its square and its cube."""
+    """Signed measures of the dual cells, in the mesh's own unit, its square and its cube.
 
-    lengths: Floats  #: (f,) dual edge per facet: interior facets as ``topology.interior_pairs``, then the boundary's
-    errors: Floats  #: (f,) bound of the rounding error of ``lengths``; infinite where nothing is known
+    Each with a bound of its rounding error, to first order; infinite where nothing is known, in a sliver.
+    """
+
+    lengths: Floats  #: (f,) dual edge per row of ``topology.facets``: interior facets, then the boundary's
+    errors: Floats  #: (f,) of ``lengths``
     areas: Floats  #: (e,) dual face per row of ``topology.edges``
+    area_errors: Floats  #: (e,)
     volumes: Floats  #: (n,) dual cell per vertex; they sum to the volume of the mesh
+    volume_errors: Floats  #: (n,)
 
 
 @dataclass(frozen=True)
@@ -48,7 +54,7 @@ class Tiers:
     """How far up the ladder a mesh is; every step implies those below it."""
 
     delaunay: bool  #: no vertex inside the circumsphere of a facet's two tets; cospherical ties count as Delaunay
-    one_sided: bool  #: every signed dual length, area and volume strictly positive; cospherical ties fail this
+    one_sided: bool  #: every signed dual length strictly positive, also at the boundary; cospherical ties fail this
     well_centered_3: bool  #: every tet contains its circumcenter
     completely_well_centered: bool  #: and every triangle is acute
 
@@ -68,36 +74,58 @@ def dual_lengths(mesh: TetMesh) -> tuple[Floats, Floats]:
 
     Interior facets as in ``topology.interior_pairs``: h+ + h-. Then the boundary's, as in ``topology.boundary``: h.
     """
-    return _dual_lengths(mesh, *quality.heights(mesh.points, mesh.tets))
+    heights, errors = quality.heights(mesh.points, mesh.tets)
+    return _per_facet(mesh, heights), _per_facet(mesh, errors)
 
 
-def duals(mesh: TetMesh) -> Duals:
-    """Dual lengths, areas and volumes of a mesh."""
+def duals(mesh: TetMesh, weights: Floats | None = None, coefficient: Floats | None = None) -> Duals:
+    """Dual lengths, areas and volumes of a mesh, the cells of boundary vertices, edges and facets cut off there.
+
+    ``weights`` (n,), of the unit of length squared, give the power dual instead, whose cells are made of orthocenters
+    where the circumcentric ones are made of circumcenters. ``coefficient`` (m,) is a material per tet that each tet's
+    own part of a dual cell is multiplied with: permittivity for areas, 1 / permeability for lengths, density for
+    volumes; nothing is averaged across an interface.
+    """
     points, tets, topology = mesh.points, mesh.tets, mesh.topology
-    heights, errors = quality.heights(points, tets)
-    cotangents = quality.face_cotangents(points, tets)
+    heights, errors, cotangents = quality.heights_and_cotangents(points, tets)
     edges = points[topology.edges]
     squares = np.einsum("eki,eki->e", *[edges[:, 1:] - edges[:, :1]] * 2)
-    edge_of = _tet_edges(mesh)
+    edge_of = topology.tet_edges
+    if weights is None:
+        shares = np.full((len(squares), 2), 0.5)
+    else:
+        heights, errors = power.shift_heights(points, tets, heights, errors, weights)
+        cotangents = power.shift_cotangents(tets, cotangents, squares[edge_of], weights)
+        difference = (weights[topology.edges[:, 0]] - weights[topology.edges[:, 1]]) / squares
+        shares = 0.5 + 0.5 * np.stack([difference, -difference], axis=1)
+    if coefficient is not None:
+        heights, errors = heights * coefficient[:, None], errors * np.abs(coefficient)[:, None]
 
     # Twice 12 orthoschemes per tet: one at either end of each edge of each facet; an edge is in two facets.
-    per_edge = np.zeros((len(tets), 6))
+    per_edge, doubt = np.zeros((2, len(tets), 6))
     with np.errstate(invalid="ignore", over="ignore"):
-        for column, edge in enumerate(_OPPOSITE):
-            per_edge[:, edge] += cotangents[:, column] * heights[:, column // 3]
-    sums = np.bincount(edge_of.ravel(), per_edge.ravel(), minlength=len(squares))
-    areas = sums * np.sqrt(squares) / 4.0
-    halves = np.repeat(sums * squares / 24.0, 2)
-    volumes = np.bincount(topology.edges.ravel(), halves, minlength=len(points)).astype(np.float64)
-    return Duals(*_dual_lengths(mesh, heights, errors), areas, volumes)
+        for column, (facet, edge) in enumerate(zip(np.arange(12) // 3, OPPOSITE_EDGES, strict=True)):
+            cotangent, height = cotangents[:, column], heights[:, facet]
+            per_edge[:, edge] += cotangent * height
+            doubt[:, edge] += np.abs(cotangent) * errors[:, facet] + _EPS * (1.0 + cotangent**2) * np.abs(height)
+    doubt[np.isnan(doubt)] = np.inf
+    sums, doubts = (_summed(edge_of, table, len(squares)) for table in (per_edge, doubt))
+    lengths, bounds = (_per_facet(mesh, table) for table in (heights, errors))
+    volumes, volume_errors = (
+        _summed(topology.edges, each[:, None] * ends, len(points))
+        for each, ends in ((sums * squares / 12.0, shares), (doubts * squares / 12.0, np.abs(shares)))
+    )
+    size = np.sqrt(squares) / 4.0
+    return Duals(lengths, bounds, sums * size, doubts * size, volumes, volume_errors)
 
 
 def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
     """Diagonal of the discrete Hodge star on primal ``k``-forms: dual over primal measure, k = 0 .. 3.
 
     k = 0: dual volume per vertex (n,). k = 1: dual area over length per row of ``topology.edges`` (e,). k = 2: dual
-    length over area per facet (f,), interior facets first, as in :attr:`Duals.lengths`. k = 3: 1 / volume per tet
-    (m,). Pass ``of`` where :func:`duals` has been called already. Raises :class:`ValueError` for another k.
+    length over area per row of ``topology.facets`` (f,). k = 3: 1 / volume per tet (m,). Pass ``of`` where
+    :func:`duals` has been called already, or with weights or a coefficient; k = 3 has neither. The matrices between
+    the degrees are in :mod:`wct_plugin.exterior`. Raises :class:`ValueError` for another k.
     """
     if k == 3:
         return 1.0 / quality.volumes(mesh.points, mesh.tets)
@@ -109,12 +137,17 @@ def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
         areas: Floats = of.areas / np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         return areas
     if k == 2:
-        half_facets = np.concatenate([mesh.topology.interior_pairs[:, :2], mesh.topology.boundary_half_facets])
-        corners = mesh.points[mesh.tets[half_facets[:, :1], FACETS[half_facets[:, 1]]]]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        lengths: Floats = 2.0 * of.lengths / np.linalg.norm(normals, axis=1)
+        first, second, third = (mesh.points.T[:, corners] for corners in mesh.topology.facets.T)
+        normals = np.cross(second - first, third - first, axis=0)  # along the long axis: a quarter of the time
+        lengths: Floats = 2.0 * of.lengths / np.sqrt(np.einsum("kf,kf->f", normals, normals))
         return lengths
     raise ValueError(f"k is {k}; a tetrahedral mesh has forms of degree 0, 1, 2 and 3")
+
+
+def shortest_lengths(mesh: TetMesh, lengths: Floats) -> Floats:
+    """(m,) the least of the dual ``lengths`` (f,) of each tet's four facets."""
+    shortest: Floats = lengths[mesh.topology.tet_facets].min(axis=1)
+    return shortest
 
 
 def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
@@ -125,8 +158,9 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     cospherical points, for which the sum is exactly zero (a Cartesian grid, also one that was rotated and rounded),
     count as Delaunay. They have a dual edge of length zero and so are never one-sided.
 
-    One-sided: every dual length, the boundary's included, exceeds its rounding error, and all dual areas and volumes
-    are positive. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the mesh one-sided.
+    One-sided: every dual length, the boundary's included, exceeds its rounding error; all duals inside are positive
+    then, see the top of this module. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the
+    mesh one-sided, CWC all duals of it positive. :mod:`wct_plugin.negative_duals` counts those that are not.
     """
     of = quality.measure(mesh) if of is None else of
     well_centered_3 = bool(of.well_centered_3.all())
@@ -135,27 +169,19 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
         return Tiers(True, True, True, completely)
     lengths, errors = dual_lengths(mesh)
     if (lengths > errors).all():
-        dual = duals(mesh)
-        return Tiers(True, bool((dual.areas > 0.0).all() and (dual.volumes > 0.0).all()), False, False)
+        return Tiers(True, True, False, False)
     pairs = mesh.topology.interior_pairs
     radii = quality.circumradii(mesh.points, mesh.tets)
     slack = COSPHERICAL * (radii[pairs[:, 0]] + radii[pairs[:, 2]]) / 2.0 + errors[: len(pairs)]
     return Tiers(bool((lengths[: len(pairs)] >= -slack).all()), False, False, False)
 
 
-def _dual_lengths(mesh: TetMesh, heights: Floats, errors: Floats) -> tuple[Floats, Floats]:
+def _summed(places: NDArray[np.int64], values: Floats, count: int) -> Floats:
+    return np.bincount(places.ravel(), values.ravel(), count).astype(np.float64)
+
+
+def _per_facet(mesh: TetMesh, table: Floats) -> Floats:
+    """(f,) per row of ``topology.facets`` the sum over its one or two tets of ``table`` (m, 4)."""
     pairs, border = mesh.topology.interior_pairs, mesh.topology.boundary_half_facets
-    lengths, bounds = (
-        np.concatenate(
-            [table[pairs[:, 0], pairs[:, 1]] + table[pairs[:, 2], pairs[:, 3]], table[border[:, 0], border[:, 1]]]
-        )
-        for table in (heights, errors)
-    )
-    return lengths, bounds
-
-
-def _tet_edges(mesh: TetMesh) -> Ints:
-    """(m, 6) the row of ``topology.edges`` for each edge of each tet."""
-    count = len(mesh.points)
-    ends = np.sort(mesh.tets[:, EDGES], axis=2)
-    return np.searchsorted(mesh.topology.edges @ [count, 1], ends @ [count, 1])
+    inside = table[pairs[:, 0], pairs[:, 1]] + table[pairs[:, 2], pairs[:, 3]]
+    return np.concatenate([inside, table[border[:, 0], border[:, 1]]])

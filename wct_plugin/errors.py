@@ -23,3 +23,14 @@ class NeighbourError(WctError):
 
 class WctWarning(UserWarning):
     """Something the user had that could not be carried along; the message names it."""
+
+
+def one_line(error: BaseException) -> str:
+    """What to tell the user about anything raised: one line, which says so where it is a fault of ours."""
+    message = " ".join(str(error).split())
+    if isinstance(error, WctError):
+        return message
+    if isinstance(error, MemoryError):
+        return f"ran out of memory{f': {message}' if message else ''}"
+    where = " ".join(["internal error", *getattr(error, "__notes__", [])])
+    return f"{where}, please report it: {type(error).__name__}: {message}"

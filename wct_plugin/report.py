@@ -13,6 +13,7 @@ from wct_plugin import certificate, duals, fidelity, quality, remaining, shape_f
 from wct_plugin.certificate import Certificate
 from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
+from wct_plugin.negative_duals import NegativeDuals, negative_duals
 from wct_plugin.quality import Quality
 from wct_plugin.remaining import Remaining
 from wct_plugin.shape_floor import ShapeFloor
@@ -37,7 +38,7 @@ _FLAGS = {"3wc": "3WC", "2wc": "2WC", "cwc": "CWC", "acute": "Acute"}
 _TIER_NOTES = (
     "every volume positive",
     "no vertex inside a neighbour's circumsphere",
-    "every signed dual volume positive",
+    "every dual edge positive, hence all duals inside",
     "every tet contains its circumcenter",
     "and every triangle acute",
 )
@@ -72,6 +73,7 @@ class Report:
     ranges: Mapping[str, tuple[float, float]]  #: min and max of h/R, face_angle, dihedral_angle (degrees), R/l
     flags: Mapping[str, int]  #: number of tets that are 3wc, 2wc, cwc, acute
     tiers: duals.Tiers
+    negative_duals: NegativeDuals
     histograms: Mapping[str, NDArray[np.int64]]  #: counts in :data:`BINS`
     worst: tuple[WorstTet, ...]  #: worst first, by the smaller of min h/R and the cosine of the largest face angle
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
@@ -99,6 +101,7 @@ class Report:
             out[name] = {"count": count, "percent": 100.0 * count / self.tets}
         out["tier"] = self.tiers.name
         out["tiers"] = {name: rank <= self.tiers.reached for rank, name in enumerate(duals.TIERS)}
+        out["negative_duals"] = self.negative_duals.to_dict()
         out["histograms"] = {
             name: {"edges": BINS[name].tolist(), "counts": counts.tolist()} for name, counts in self.histograms.items()
         }
@@ -231,6 +234,7 @@ def make_report(
         ranges={name: (float(low.min()), float(high.max())) for name, (low, high) in ranges.items()},
         flags={name: int(mask.sum()) for name, mask in flags.items()},
         tiers=duals.tiers(mesh, measured),
+        negative_duals=negative_duals(mesh, duals.duals(mesh)),
         histograms={
             "h/R": _counts("h/R", measured.min_height),
             "face_angle": _counts("face_angle", measured.max_face_angle),

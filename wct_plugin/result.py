@@ -4,6 +4,7 @@ import math
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -128,15 +129,21 @@ def options_of(stage: Stage[Options]) -> dict[str, Any]:
     return {name: plain(getattr(given, name)) for name in given.model_dump(warnings=False)}
 
 
-def environment() -> dict[str, Any]:
-    """What a result depends on beside its input and options, ready for JSON."""
+@cache
+def versions() -> Mapping[str, str]:
+    """Versions of Python and of the packages that change a result, as installed."""
     found = {"python": platform.python_version()}
     for name in _PACKAGES:
         try:
             found[name] = version(name)
         except PackageNotFoundError:  # a neighbour that nothing has asked for
             continue
-    return {"versions": found, "platform": platform.platform()}
+    return found
+
+
+def environment() -> dict[str, Any]:
+    """What a result depends on beside its input and options, ready for JSON."""
+    return {"versions": dict(versions()), "platform": platform.platform()}
 
 
 def plain(value: Any) -> Any:

@@ -15,6 +15,10 @@ Ints = NDArray[np.int64]
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 #: The six edges of a tet.
 EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
+#: (12,) row of :data:`EDGES` for the edge of facet i opposite its corner ``FACETS[i, k]``, at 3 i + k.
+OPPOSITE_EDGES = np.array(
+    [EDGES.tolist().index(sorted(facet[facet != corner].tolist())) for facet in FACETS for corner in facet]
+)
 
 
 class Topology:
@@ -100,10 +104,25 @@ class Topology:
         return out
 
     @cached_property
-    def _edges(self) -> tuple[Ints, Ints]:
-        ends = np.sort(self._tets[:, EDGES].reshape(-1, 2), axis=1)
-        keys, valence = np.unique(ends[:, 0] * self._count + ends[:, 1], return_counts=True)
-        return np.column_stack([keys // self._count, keys % self._count]), valence
+    def facets(self) -> Ints:
+        """(f, 3) every facet once: those of :attr:`interior_pairs`, out of their first tet, then :attr:`boundary`."""
+        return np.concatenate([self._facets(self.interior_pairs[:, :2]), self.boundary])
+
+    @cached_property
+    def tet_facets(self) -> Ints:
+        """(m, 4) the row of :attr:`facets` for the facet opposite each vertex."""
+        pairs, single = self._paired
+        out = np.empty(4 * len(self._tets), dtype=np.int64)
+        out[pairs] = np.arange(len(pairs))[:, None]
+        out[single] = len(pairs) + np.arange(len(single))
+        return out.reshape(-1, 4)
+
+    @cached_property
+    def _edges(self) -> tuple[Ints, Ints, Ints]:
+        one, other = self._tets[:, EDGES[:, 0]], self._tets[:, EDGES[:, 1]]
+        keys = np.minimum(one, other) * self._count + np.maximum(one, other)
+        keys, place, valence = np.unique(keys, return_inverse=True, return_counts=True)
+        return np.column_stack([keys // self._count, keys % self._count]), valence, place.reshape(-1, len(EDGES))
 
     @cached_property
     def edges(self) -> Ints:
@@ -114,6 +133,18 @@ class Topology:
     def edge_valence(self) -> Ints:
         """(e,) how many tets meet at each row of :attr:`edges`."""
         return self._edges[1]
+
+    @property
+    def tet_edges(self) -> Ints:
+        """(m, 6) the row of :attr:`edges` for each of a tet's edges, columns as :data:`EDGES`."""
+        return self._edges[2]
+
+    @cached_property
+    def facet_edges(self) -> Ints:
+        """(f, 3) the row of :attr:`edges` opposite each corner of a row of :attr:`facets`."""
+        half = np.concatenate([self.interior_pairs[:, :2], self.boundary_half_facets])
+        edges: Ints = self.tet_edges[half[:, :1], OPPOSITE_EDGES.reshape(4, 3)[half[:, 1]]]
+        return edges
 
     @cached_property
     def components(self) -> Ints:

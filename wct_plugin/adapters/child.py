@@ -1,10 +1,12 @@
 """A neighbour's program in a process of its own: ended as a whole on timeout or Ctrl-C, its last words in the error."""
 
+import math
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,6 +14,9 @@ from wct_plugin.errors import NeighbourError, OptionError
 
 if sys.platform == "linux":
     import resource
+
+#: Seconds for which Python may sleep without looking whether Ctrl-C was pressed.
+_LONGEST_NAP = 1.0
 
 
 class ChildError(NeighbourError):
@@ -74,7 +79,7 @@ def run(
         try:
             if memory is not None and sys.platform == "linux":
                 resource.prlimit(child.pid, resource.RLIMIT_AS, (memory, memory))
-            said, _ = child.communicate(timeout=timeout)
+            said = _output(child, timeout)
         except subprocess.TimeoutExpired as error:
             _end(child)
             hint = f"; {advice}" if advice else ""
@@ -96,6 +101,21 @@ def _dying_with_us() -> list[str]:
     return [setpriv, "--pdeathsig", "KILL"] if setpriv else []
 
 
+def _output(child: "subprocess.Popen[bytes]", timeout: float | None) -> bytes:
+    """All that it prints until it ends; :class:`subprocess.TimeoutExpired` if that takes longer than ``timeout``.
+
+    A Ctrl-C just before Python blocks is noticed only when it wakes up: so it does now and then.
+    """
+    end = math.inf if timeout is None else time.monotonic() + timeout
+    while True:
+        left = end - time.monotonic()
+        try:
+            return child.communicate(timeout=max(0.0, min(_LONGEST_NAP, left)))[0]
+        except subprocess.TimeoutExpired:
+            if left <= _LONGEST_NAP:
+                raise
+
+
 def _end(child: subprocess.Popen[bytes]) -> None:
     if child.returncode is not None:
         return
@@ -103,6 +123,7 @@ def _end(child: subprocess.Popen[bytes]) -> None:
         child.kill()
     else:
         os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
 
 
 def _tail(output: str) -> str:

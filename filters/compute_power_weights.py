@@ -1,0 +1,95 @@
+"""``filters.compute_power_weights``: weights whose power dual is positive where positions alone fail."""
+
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from wct_plugin import duals, quality
+from wct_plugin.errors import WctError
+from wct_plugin.manifold import check_manifold
+from wct_plugin.mesh import TetMesh
+from wct_plugin.negative_duals import negative_duals
+from wct_plugin.power_weights import power_weights
+from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+
+#: How many of the tets that cannot be helped the metrics name.
+_NAMED = 100
+
+
+class PowerWeightsOptions(Options):
+    """What the weights aim at."""
+
+    margin: float = Field(
+        0.1,
+        gt=0,
+        le=0.2,
+        description="Height of the orthocenter over each facet aimed at, in the tet's root mean square edge length",
+    )
+    strict: bool = Field(
+        False, description="Refuse a mesh for which no weights were found that give every tet its orthocenter"
+    )
+
+
+class ComputePowerWeights(Filter[PowerWeightsOptions]):
+    """Give each vertex a weight so that every tet contains its orthocenter: weighted well-centered.
+
+    The mesh stays as it is. With a power distance |x - x_i|^2 - w_i in the place of the distance, the dual is still
+    orthogonal to the mesh, and positive where every tet contains its orthocenter, also where it does not contain its
+    circumcenter; it is not well-centered for that. Weights come from sparse linear programmes, which reach as many tets
+    as they can, then widen the margin. Point data: ``power_weight`` (length squared, the smallest 0) and
+    ``weighted_dual_volume``. Cell data: ``orthocenter_margin``, its smallest height over a facet in the tet's root mean
+    square edge length (positive: contained), and ``min_weighted_dual_length``. ``duals.duals(mesh, weights)`` has all.
+    Refused are meshes with two points in one place and those whose boundary is no manifold.
+    """
+
+    name = "compute_power_weights"
+    takes = TetMesh
+    gives = TetMesh
+    declaration = PowerWeightsOptions
+    example: ClassVar[dict[str, Any]] = {"margin": 0.05}
+
+    def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        check_manifold(mesh)
+
+        def told(done: float, bad: int) -> bool:
+            return progress(Progress("weighing vertices", done, bad)) is not False
+
+        found = power_weights(mesh, self.options.margin, told)
+        outside = np.flatnonzero(~(found.margins > 0))
+        if self.options.strict and len(outside):
+            more = f" (nor {len(outside) - 1} more)" if len(outside) > 1 else ""
+            raise WctError(
+                f"{mesh.source or 'the mesh'}: no weights were found that give tet {outside[0]}{more} its orthocenter; "
+                "with strict=false the others get theirs"
+            )
+        plain, weighted = duals.duals(mesh), duals.duals(mesh, found.weights)
+        marked = replace(
+            mesh,
+            point_data={
+                **mesh.point_data,
+                "power_weight": found.weights,
+                "weighted_dual_volume": weighted.volumes,
+            },
+            cell_data={
+                **mesh.cell_data,
+                "orthocenter_margin": found.margins,
+                "min_weighted_dual_length": duals.shortest_lengths(mesh, weighted.lengths),
+            },
+        )
+        count = len(mesh.tets)
+        centered = int(quality.measure(mesh).well_centered_3.sum())
+        return marked, {
+            "3wc": {"count": centered, "percent": 100.0 * centered / count},
+            "weighted_well_centered": {
+                "count": count - len(outside),
+                "percent": 100.0 * (count - len(outside)) / count,
+            },
+            "margin": float(np.nanmin(found.margins)),
+            "without_orthocenter": outside[:_NAMED].tolist(),
+            "negative_duals": {
+                "circumcentric": negative_duals(mesh, plain).to_dict(),
+                "weighted": negative_duals(mesh, weighted).to_dict(),
+            },
+        }

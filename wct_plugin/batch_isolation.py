@@ -1,0 +1,217 @@
+"""The caller's side of :mod:`wct_plugin.batch_server`: a job in a process of its own, and how it ended."""
+
+import contextlib
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+from types import TracebackType
+
+from wct_plugin.batch_job import RECORD, Job, Record, failure
+from wct_plugin.errors import WctError
+
+#: What tells numerical libraries how many threads to use; values that are set already are the user's.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+class UnwantedError(WctError):
+    """The job was given up by whoever ordered it."""
+
+
+class _LostError(WctError):
+    """The process that forks is gone, or could not."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How a job's process ended."""
+
+    stopped: str  #: timeout, memory, or empty where it ended by itself
+    signal: int
+    exit_code: int
+    cpu_seconds: float
+    peak_bytes: int
+
+
+class ForkServer:
+    """Starts the process that forks when it is first needed, and again should it be lost. For any number of threads.
+
+    ``jobs`` is how many are to run at once: numerical libraries get that share of the cores.
+    """
+
+    def __init__(self, jobs: int = 1) -> None:
+        self._threads = max(1, cores() // jobs)
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._control: socket.socket | None = None
+        self._closed = False
+
+    def __enter__(self) -> "ForkServer":
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+        self.close()
+
+    def run(self, job: Job, attempt: Path, wanted: Callable[[], bool]) -> Verdict:
+        """Do ``job`` in the folder ``attempt`` and wait for its end, asking now and then whether it is still wanted."""
+        mine, theirs = socket.socketpair()
+        with mine:
+            try:
+                with theirs, self._lock:
+                    socket.send_fds(self._connected(), [b"j"], [theirs.fileno()])
+                mine.sendall(json.dumps({"job": asdict(job), "attempt": str(attempt)}).encode() + b"\n")
+                mine.settimeout(1.0)
+                said = b""
+                while not said.endswith(b"\n"):
+                    try:
+                        part = mine.recv(4096)
+                    except TimeoutError:
+                        if not wanted():
+                            raise UnwantedError(f"{job.source}: given up") from None
+                        continue
+                    if not part:
+                        raise ConnectionResetError
+                    said += part
+            except ConnectionError as error:
+                if self._closed:
+                    raise UnwantedError(f"{job.source}: given up") from error
+                raise _LostError(f"no process could be started for the job{self._last_words()}") from error
+        return Verdict(**json.loads(said))
+
+    def close(self) -> None:
+        """End every job and the process that forks."""
+        with self._lock:
+            self._closed = True
+            self._disconnect()
+
+    def _connected(self) -> socket.socket:
+        if self._closed:
+            raise ConnectionResetError
+        if self._process is not None and self._process.poll() is not None:
+            self._disconnect()
+        if self._control is None:
+            if not hasattr(os, "fork"):
+                raise WctError(f"a batch needs a system that can fork, which {sys.platform} cannot")
+            self._control, theirs = socket.socketpair()
+            share = {name: str(self._threads) for name in _THREADS}
+            start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
+            start += "; from wct_plugin.batch_server import main; main(int(sys.argv[1]))"
+            with theirs:
+                self._words = tempfile.TemporaryFile()  # noqa: SIM115, closed when the process has ended
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", "-c", start, str(theirs.fileno()), json.dumps(sys.path)],
+                    pass_fds=[theirs.fileno()],
+                    env={**share, **os.environ},
+                    stdin=subprocess.DEVNULL,
+                    stdout=self._words,
+                    stderr=self._words,
+                    start_new_session=True,  # Ctrl-C in the terminal is for us alone
+                )
+        return self._control
+
+    def _disconnect(self) -> None:
+        if self._control is None or self._process is None:
+            return
+        self._control.close()
+        self._control = None
+        try:
+            self._process.wait(20)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._words.close()
+
+    def _last_words(self) -> str:
+        with self._lock:
+            if self._words.closed:
+                return ""
+            self._words.seek(0)
+            return _last_line(self._words.read())
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@cache
+def worker_server() -> ForkServer:
+    """The one of a process that others send jobs to; it ends with the process."""
+    return ForkServer()
+
+
+def run_isolated(job: Job, server: ForkServer | None = None) -> tuple[Record, str]:
+    """Do a job in a process of its own: its record, and the folder of the attempt with the outputs in it.
+
+    Whatever the process does, there is a record. Raises :class:`UnwantedError` if the job's folder of work goes away.
+    """
+    server = server or worker_server()
+    start = time.perf_counter()
+    for again in (True, False):
+        try:
+            attempt = Path(tempfile.mkdtemp(dir=job.work, prefix=f"{job.name}."))
+        except FileNotFoundError as error:
+            raise UnwantedError(f"{job.source}: given up") from error
+        try:
+            verdict = server.run(job, attempt, attempt.exists)
+            break
+        except _LostError as error:
+            if not again:
+                return failure(job, str(error), _since(start)), str(attempt)
+        shutil.rmtree(attempt, ignore_errors=True)
+    if (made := read_record(attempt)) is not None:
+        return replace(made, cpu_seconds=round(verdict.cpu_seconds, 3), peak_bytes=verdict.peak_bytes), str(attempt)
+    if not attempt.exists():
+        raise UnwantedError(f"{job.source}: given up")
+    record = failure(job, _cause(job, verdict, attempt), _since(start))
+    return replace(record, cpu_seconds=round(verdict.cpu_seconds, 3), peak_bytes=verdict.peak_bytes), str(attempt)
+
+
+def read_record(attempt: Path) -> Record | None:
+    """What an attempt left behind when it was finished; None if it was not."""
+    try:
+        return Record.from_json((attempt / RECORD).read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def _since(start: float) -> float:
+    return round(time.perf_counter() - start, 3)
+
+
+def _cause(job: Job, verdict: Verdict, attempt: Path) -> str:
+    """Why there is no record, in one line."""
+    if verdict.stopped == "timeout":
+        return f"was stopped after {job.timeout:g} s, its timeout"
+    if verdict.stopped == "memory" and job.memory:
+        return f"was stopped when it used {_mega(verdict.peak_bytes)} MB of memory; its limit is {_mega(job.memory)} MB"
+    words = b""
+    with contextlib.suppress(OSError):
+        words = (attempt / "words").read_bytes()
+    if verdict.signal == signal.SIGKILL:
+        return "was killed, most likely because the system ran out of memory"
+    if verdict.signal:
+        return f"crashed with {signal.Signals(verdict.signal).name}{_last_line(words)}"
+    return f"ended without a result, exit code {verdict.exit_code}{_last_line(words)}"
+
+
+def _mega(size: int) -> int:
+    return round(size / (1 << 20))
+
+
+def _last_line(words: bytes) -> str:
+    lines = [" ".join(line.split()) for line in words.decode(errors="replace").splitlines()]
+    said = [line for line in lines if line][-1:]
+    return f"; it last said: {said[0][-300:]}" if said else ""
