@@ -7,8 +7,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from builders import PAPER_TETS, bcc, delaunay, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation, single
+from builders import bcc, delaunay, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation, single
 from certifying import share_more_than_a_face
+from printed import PAPER_TETS
 
 import wct_plugin as wct
 from wct_plugin import bundled, cli, quality

@@ -4,9 +4,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from builders import PAPER_TETS, ball, bcc, jittered_cube, kuhn_cube, regular_tet, rotation, single
+from builders import ball, bcc, jittered_cube, kuhn_cube, regular_tet, rotation, single
 from hypothesis import given
 from hypothesis import strategies as st
+from printed import PAPER_TETS
 
 from wct_plugin import quality
 from wct_plugin.mesh import TetMesh

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import PAPER_TETS, ball, bcc, jittered_cube, kuhn_cube, rotation, single, two_region_cube
+from builders import ball, bcc, jittered_cube, kuhn_cube, rotation, single, two_region_cube
+from printed import PAPER_TETS
 
 from wct_plugin import quality
 from wct_plugin.duals import duals

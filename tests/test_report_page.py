@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from browser import SCREENS, laid_out
-from builders import ball, bcc, jittered_cube, single
+from builders import ball, bcc, jittered_cube, shaken_cube, single
 
 import wct_plugin as wct
 from wct_plugin.ends import ReadMesh, provenance
@@ -171,6 +171,24 @@ def test_what_is_proven_stands_in_the_page():
         assert report.certificate.headline() in page
         assert all(line in page for line in report.certificate.lines())
     assert "Exact certificate" not in Page(html([make_report(AFTER)], "t")).shown
+
+
+@pytest.mark.parametrize("meshes", [[shaken_cube(3)], [shaken_cube(3), AFTER, ball(3)]])
+def test_negative_duals_stand_in_the_page(meshes):
+    reports = [make_report(mesh) for mesh in meshes]
+    text = html(reports, "t")
+    captions = ["Negative duals inside", "Negative duals on the boundary", "Duals that are zero"]
+    shown = []
+    for caption in captions if len(meshes) > 1 else ["Negative duals"]:
+        table = next(part for part in text.split("<table") if f"<caption>{caption}</caption>" in part)
+        rows = table.split("<tbody>")[1].split("</tr>")[:3]
+        shown.append([re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", row) for row in rows])
+    for k, found in enumerate(zip(*(one.negative_duals.rows() for one in reports), strict=True)):
+        names, *cells = zip(*found, strict=True)
+        assert {table[k][0] for table in shown} == set(names)
+        assert [cell for table in shown for cell in table[k][1:]] == [cell for column in cells for cell in column]
+    assert reports[0].negative_duals.interior[2].negative > 10
+    assert "Hodge stars" in Page(text).shown
 
 
 @pytest.mark.parametrize("count", [1, 3])

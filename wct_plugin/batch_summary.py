@@ -26,7 +26,7 @@ def headline(records: Sequence[Record]) -> str:
     """How many there are of each result."""
     counts = [sum(record.exit_code == code for record in records) for code in range(len(RESULTS))]
     parts = [f"{count} {word}" for count, word in zip(counts, RESULTS, strict=True) if count]
-    return f"{len(records)} files: {', '.join(parts)}" if parts else "no files"
+    return f"{len(records)} file{'s' * (len(records) > 1)}: {', '.join(parts)}" if parts else "no files"
 
 
 def row(record: Record) -> tuple[str, ...]:

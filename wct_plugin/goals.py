@@ -1,5 +1,7 @@
 """What a mesh can be made for, and which tets keep it from that."""
 
+from typing import Literal, get_args
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +19,8 @@ FLAGS = {
     "acute": "acute",
 }
 #: Goals of the whole mesh: the tiers below 3WC.
-DUAL = ("delaunay", "one-sided")
+Dual = Literal["delaunay", "one-sided"]
+DUAL: tuple[Dual, ...] = get_args(Dual)
 
 
 def misses(mesh: TetMesh, measured: Quality, goal: str) -> Bools:

@@ -8,6 +8,7 @@ from typing import Any
 from wct_plugin import certificate, remaining
 from wct_plugin.certificate import Certificate
 from wct_plugin.mesh import TetMesh
+from wct_plugin.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.page import Card, Html, cards, columns, details, grid, image, join, page, paragraph, section, table
 from wct_plugin.report import BINS, TITLES, Report, short_names
 from wct_plugin.report_chart import Axis, Series, colour_scale, histogram
@@ -168,6 +169,7 @@ def _left(name: str, report: Report, named: bool) -> Html:
         rows = remaining.rows(found, _MOST)
         parts = [
             paragraph(f"{remaining.title(found)}."),
+            *(paragraph(f"{line}.") for line in report.why()),
             table("By what would free them", remaining.KINDS, remaining.kinds(found), words=True),
             table("The worst of them", remaining.HEAD, rows[:_FIRST], words=True),
         ]
@@ -231,6 +233,7 @@ def _tables(reports: Mapping[str, Report]) -> Html:
             [r.rows_places() for r in found],
             ("tets", "not 3WC", "not CWC"),
         ),
+        *_negative_duals(reports),
     ]
     worst = [
         details(f"Worst tets: {name}", table("Worst first", report.worst_head(), report.rows_worst(), words=True))
@@ -238,6 +241,18 @@ def _tables(reports: Mapping[str, Report]) -> Html:
         if report.worst
     ]
     return section("All numbers", columns(parts), *worst)
+
+
+def _negative_duals(reports: Mapping[str, Report]) -> list[Html]:
+    """All of one mesh, else each place with a column per mesh: on a phone there is no room for three of each."""
+    found = [one.negative_duals.rows() for one in reports.values()]
+    if len(found) == 1:
+        return [table("Negative duals", NEGATIVE_HEAD, found[0])]
+    captions = ("Negative duals inside", "Negative duals on the boundary", "Duals that are zero")
+    return [
+        table(caption, ("", *reports), [(rows[0][0], *(row[k] for row in rows)) for rows in zip(*found, strict=True)])
+        for k, caption in enumerate(captions, 1)
+    ]
 
 
 # --- how it was made --------------------------------------------------------------------------------------------------
@@ -276,6 +291,7 @@ def _words() -> Html:
         ("CWC", "completely well-centered: 3WC and 2WC"),
         ("Acute", "all its dihedral angles are below 90°"),
         ("R/ℓ", "circumradius over shortest edge, 0.612 in the regular tet; large where a tet is flat"),
+        ("★0, ★1, ★2", "Hodge stars, diagonal and positive only if no circumcentric dual is negative or zero"),
         ("place", "interior, boundary (or patch), crease or corner: the highest among the tet's vertices"),
     )  # fmt: skip
     return section("Words", table("What they mean here", ("word", "means"), meaning, words=True))

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import PAPER_TETS
-from printed import columns
+from printed import PAPER_TETS, columns
 
 import wct_plugin as wct
 from wct_plugin import quality
