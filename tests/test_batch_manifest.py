@@ -131,6 +131,19 @@ def test_what_other_shards_left_is_finished_unless_they_are_at_work(manifest, tm
     assert not other.work.exists()
 
 
+def test_a_shard_leaves_what_another_left_to_that_one(tmp_path):
+    first, second = Manifest(tmp_path, "-1of2"), Manifest(tmp_path, "-2of2")
+    first.open(resume=False)
+    attempt(first)
+    os.close(first._file)  # killed
+    second.open(resume=True)
+    assert len(names(first.work)) == 1
+    first.open(resume=True)
+    assert [line["output"] for line in lines(first)] == ["a.vtu"]
+    first.close()
+    second.close()
+
+
 def test_a_manifest_of_an_earlier_batch_is_not_overwritten(manifest, tmp_path):
     manifest.close()
     for part in ("", "-1of2"):

@@ -30,6 +30,7 @@ class Manifest:
     def __init__(self, folder: Path, suffix: str = "") -> None:
         self.folder = folder
         self.path = folder / f"manifest{suffix}.jsonl"
+        self._whole = folder / "manifest.jsonl"
         self.work = folder / f".wct-batch{suffix}"
         self._records: dict[str, Record] = {}
         self._file: int | None = None
@@ -51,16 +52,16 @@ class Manifest:
             for record in _read(path):
                 self._records[record.output] = record
         self.recover()
-        self._recover_others()
+        if self.path == self._whole:  # one shard tidying up for another would be in its way when it starts again
+            self._recover_others()
         self.work.mkdir(exist_ok=True)
 
     def _manifests(self) -> list[Path]:
         return sorted(self.folder.glob("manifest*.jsonl"))
 
     def _refuse_earlier(self) -> None:
-        whole = self.folder / "manifest.jsonl"
         for path in self._manifests():
-            if path in (self.path, whole) or self.path == whole:
+            if path in (self.path, self._whole) or self.path == self._whole:
                 raise OptionError(
                     f"{path} exists: --resume goes on with that batch; remove the file to do everything again"
                 )
@@ -114,7 +115,7 @@ class Manifest:
         _remove(self.work)
 
     def _recover_others(self) -> None:
-        """The same for what other shards left behind, those that are at work excepted."""
+        """The same for what shards left behind, those that are at work excepted."""
         for work in self.folder.glob(".wct-batch*"):
             held = _hold(self.folder / f"manifest{work.name.removeprefix('.wct-batch')}.jsonl")
             if held is not None:
