@@ -130,6 +130,13 @@ def test_starting_a_job_is_cheap(done):
     assert statistics.median(record.cpu_seconds for record in done.records) < 0.15
 
 
+def test_a_tet_too_thin_to_be_measured_has_no_number(tmp_path):
+    wct.write(tmp_path / "thin.vtu", single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 5e-324]]))
+    (record,) = wct.run_batch(QUALITY, [tmp_path / "thin.vtu"], tmp_path / "out").records
+    assert record.exit_code == 0
+    assert record.before["min_height"] is record.after["min_height"] is None
+
+
 # --- resume ---------------------------------------------------------------------------------------------------------
 
 

@@ -121,7 +121,7 @@ def test_finished_asks_for_input_pipeline_and_outputs(manifest, tmp_path):
 
 def test_what_other_shards_left_is_finished_unless_they_are_at_work(manifest, tmp_path):
     other = Manifest(tmp_path, "-1of2")
-    other.open(resume=False)
+    other.open(resume=True)
     attempt(other)
     reopened(manifest)
     assert lines(manifest) == []  # it is at work
@@ -131,9 +131,39 @@ def test_what_other_shards_left_is_finished_unless_they_are_at_work(manifest, tm
     assert not other.work.exists()
 
 
+def test_a_shard_leaves_what_another_left_to_that_one(tmp_path):
+    first, second = Manifest(tmp_path, "-1of2"), Manifest(tmp_path, "-2of2")
+    first.open(resume=False)
+    attempt(first)
+    os.close(first._file)  # killed
+    second.open(resume=True)
+    assert len(names(first.work)) == 1
+    first.open(resume=True)
+    assert [line["output"] for line in lines(first)] == ["a.vtu"]
+    first.close()
+    second.close()
+
+
 def test_a_manifest_of_an_earlier_batch_is_not_overwritten(manifest, tmp_path):
     manifest.close()
-    with pytest.raises(OptionError, match=r"manifest.jsonl exists: --resume goes on"):
+    for part in ("", "-1of2"):
+        with pytest.raises(OptionError, match=r"manifest.jsonl exists: --resume goes on"):
+            Manifest(tmp_path, part).open(resume=False)
+
+
+def test_without_resume_no_record_of_another_shard_counts(tmp_path):
+    first, second = Manifest(tmp_path, "-1of2"), Manifest(tmp_path, "-2of2")
+    first.open(resume=False)
+    first.commit(*attempt(first))
+    job = Job("a.stl", "a.vtu", [], "2", str(tmp_path), str(second.work))
+    second.open(resume=False)  # side by side with the first
+    assert second.count([job]) == 0
+    second.close()
+    second.open(resume=True)
+    assert second.count([job]) == 1
+    second.close()
+    first.close()
+    with pytest.raises(OptionError, match=r"manifest-1of2.jsonl exists: --resume goes on"):
         Manifest(tmp_path).open(resume=False)
 
 

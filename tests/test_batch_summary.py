@@ -1,9 +1,11 @@
 """The table at a batch's end: its line of counts, and that failures stand last."""
 
+from dataclasses import replace
+
 import pytest
 
 from wct_plugin.batch_job import Record
-from wct_plugin.batch_summary import causes, headline, ordered
+from wct_plugin.batch_summary import causes, headline, ordered, row, to_csv
 
 
 def record(name: str, code: int) -> Record:
@@ -26,3 +28,11 @@ def test_failures_stand_last():
     records = [record("a.vtu", 2), record("c.vtu", 0), record("b.vtu", 0)]
     assert [one.input for one in ordered(records)] == ["b.vtu", "c.vtu", "a.vtu"]
     assert causes(records) == [("a.vtu", "torn")]
+
+
+def test_a_number_that_is_not_finite_is_left_out():
+    one = Record("a.vtu", "1", "2", "a.vtu", exit_code=0, before={"min_height": None}, after={"min_height": 0.5})
+    assert row(one)[5] == "0.500"
+    assert "None" not in to_csv([one])
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        replace(one, before={"min_height": float("nan")}).to_json()

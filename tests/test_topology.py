@@ -88,9 +88,10 @@ def test_interface_triangles_leave_their_first_tet():
         assert np.cross(b - a, c - a) @ (apex - a) < 0
 
 
-def test_edges(mesh):
-    pairs = {tuple(sorted(pair)) for tet in mesh.tets.tolist() for pair in combinations(tet, 2)}
-    assert [tuple(edge) for edge in mesh.topology.edges.tolist()] == sorted(pairs)
+def test_edges_and_valence(mesh):
+    counts = Counter(tuple(sorted(pair)) for tet in mesh.tets.tolist() for pair in combinations(tet, 2))
+    assert [tuple(edge) for edge in mesh.topology.edges.tolist()] == sorted(counts)
+    assert mesh.topology.edge_valence.tolist() == [counts[edge] for edge in sorted(counts)]
 
 
 def test_euler_characteristic_of_a_ball(mesh):

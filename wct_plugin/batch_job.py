@@ -68,7 +68,7 @@ class Record:
 
     def to_json(self) -> str:
         """One line."""
-        return json.dumps(asdict(self), ensure_ascii=False)
+        return json.dumps(asdict(self), ensure_ascii=False, allow_nan=False)
 
     @classmethod
     def from_json(cls, line: str | bytes) -> "Record":
@@ -137,8 +137,8 @@ def _run(job: Job, output: Path) -> dict[str, Any]:
         "exit_code": 1 if missed else 0,
         "cause": "; ".join(missed) or None,
         "files": {file.name: digest(file) for file in sorted(output.iterdir())},
-        "before": numbers(result.stages[0].flow.mesh),
-        "after": numbers(result.mesh),
+        "before": plain(numbers(result.stages[0].flow.mesh)),
+        "after": plain(numbers(result.mesh)),
         "goals": tuple(vars(goal) for goal in result.goals),
         "metrics": plain(result.metrics),
     }

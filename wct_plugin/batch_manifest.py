@@ -23,12 +23,14 @@ if sys.platform != "win32":
 class Manifest:
     """The manifest of the output directory ``folder``, or of one shard there, held by one batch at a time.
 
-    ``suffix`` tells shards apart: ``-2of8``. Records of all of them are known; new ones go to the own file.
+    ``suffix`` tells shards apart: ``-2of8``. A batch that is gone on with knows the records of all of them; new ones go
+    to the own file.
     """
 
     def __init__(self, folder: Path, suffix: str = "") -> None:
         self.folder = folder
         self.path = folder / f"manifest{suffix}.jsonl"
+        self._whole = folder / "manifest.jsonl"
         self.work = folder / f".wct-batch{suffix}"
         self._records: dict[str, Record] = {}
         self._file: int | None = None
@@ -37,22 +39,32 @@ class Manifest:
         """Take hold of the manifest, heal it and finish what was broken off.
 
         Raises :class:`OptionError` if there is one and ``resume`` is False or another batch holds it, and
-        :class:`InputError` for a line that is no record, the last one apart, which a kill may have torn.
+        :class:`InputError` for a line that is no record, the last one apart, which a kill may have torn. To a batch
+        of all files the manifest of any shard is one; shards that start side by side do not mind each other's.
         """
-        if self.path.exists() and not resume:
-            raise OptionError(
-                f"{self.path} exists: --resume goes on with that batch; remove the file to do everything again"
-            )
+        if not resume:
+            self._refuse_earlier()
         self._file = _hold(self.path)
         if self._file is None:
             raise OptionError(f"{self.path} is in use: another batch is writing to {self.folder}")
         _cut_torn_line(self._file)
-        for path in sorted(self.folder.glob("manifest*.jsonl")):
+        for path in self._manifests() if resume else ():
             for record in _read(path):
                 self._records[record.output] = record
         self.recover()
-        self._recover_others()
+        if self.path == self._whole:  # one shard tidying up for another would be in its way when it starts again
+            self._recover_others()
         self.work.mkdir(exist_ok=True)
+
+    def _manifests(self) -> list[Path]:
+        return sorted(self.folder.glob("manifest*.jsonl"))
+
+    def _refuse_earlier(self) -> None:
+        for path in self._manifests():
+            if path in (self.path, self._whole) or self.path == self._whole:
+                raise OptionError(
+                    f"{path} exists: --resume goes on with that batch; remove the file to do everything again"
+                )
 
     def close(self) -> None:
         """Finish what is finished, take away what is not, and let go."""
@@ -103,7 +115,7 @@ class Manifest:
         _remove(self.work)
 
     def _recover_others(self) -> None:
-        """The same for what other shards left behind, those that are at work excepted."""
+        """The same for what shards left behind, those that are at work excepted."""
         for work in self.folder.glob(".wct-batch*"):
             held = _hold(self.folder / f"manifest{work.name.removeprefix('.wct-batch')}.jsonl")
             if held is not None:

@@ -44,7 +44,7 @@ def row(record: Record) -> tuple[str, ...]:
 
 
 def _change(before: Mapping[str, Any], after: Mapping[str, Any], name: str, form: str) -> str:
-    shown = [form.format(side[name]) for side in (before, after) if name in side]
+    shown = [form.format(side[name]) for side in (before, after) if side.get(name) is not None]
     return " → ".join(dict.fromkeys(shown)) or "-"
 
 

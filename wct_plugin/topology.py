@@ -118,11 +118,11 @@ class Topology:
         return out.reshape(-1, 4)
 
     @cached_property
-    def _edges(self) -> tuple[Ints, Ints]:
+    def _edges(self) -> tuple[Ints, Ints, Ints]:
         one, other = self._tets[:, EDGES[:, 0]], self._tets[:, EDGES[:, 1]]
         keys = np.minimum(one, other) * self._count + np.maximum(one, other)
-        keys, place = np.unique(keys, return_inverse=True)
-        return np.column_stack([keys // self._count, keys % self._count]), place.reshape(-1, len(EDGES))
+        keys, place, valence = np.unique(keys, return_inverse=True, return_counts=True)
+        return np.column_stack([keys // self._count, keys % self._count]), valence, place.reshape(-1, len(EDGES))
 
     @cached_property
     def edges(self) -> Ints:
@@ -130,9 +130,14 @@ class Topology:
         return self._edges[0]
 
     @property
+    def edge_valence(self) -> Ints:
+        """(e,) how many tets meet at each row of :attr:`edges`."""
+        return self._edges[1]
+
+    @property
     def tet_edges(self) -> Ints:
         """(m, 6) the row of :attr:`edges` for each of a tet's edges, columns as :data:`EDGES`."""
-        return self._edges[1]
+        return self._edges[2]
 
     @cached_property
     def facet_edges(self) -> Ints:
