@@ -102,22 +102,33 @@ class ForkServer:
         if self._control is None:
             if not hasattr(os, "fork"):
                 raise WctError(f"a batch needs a system that can fork, which {sys.platform} cannot")
-            self._control, theirs = socket.socketpair()
-            share = {name: str(self._threads) for name in _THREADS}
-            start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
-            start += "; from wct_plugin.batch_server import main; main(int(sys.argv[1]))"
-            with theirs:
-                self._words = tempfile.TemporaryFile()  # noqa: SIM115, closed when the process has ended
-                self._process = subprocess.Popen(
+            self._start()
+        assert self._control is not None
+        return self._control
+
+    def _start(self) -> None:
+        """Start the process that forks; where that cannot be, all is as before, and the next job tries again."""
+        share = {name: str(self._threads) for name in _THREADS}
+        start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
+        start += "; from wct_plugin.batch_server import main; main(int(sys.argv[1]))"
+        with contextlib.ExitStack() as unless_started:
+            try:
+                mine, theirs = map(unless_started.enter_context, socket.socketpair())
+                words = unless_started.enter_context(tempfile.TemporaryFile())
+                process = subprocess.Popen(
                     [sys.executable, "-P", "-c", start, str(theirs.fileno()), json.dumps(sys.path)],
                     pass_fds=[theirs.fileno()],
                     env={**share, **os.environ},
                     stdin=subprocess.DEVNULL,
-                    stdout=self._words,
-                    stderr=self._words,
+                    stdout=words,
+                    stderr=words,
                     start_new_session=True,  # Ctrl-C in the terminal is for us alone
                 )
-        return self._control
+            except OSError as error:
+                raise _LostError(f"no process could be started for the job: {error.strerror or error}") from error
+            unless_started.pop_all()
+        theirs.close()
+        self._control, self._process, self._words = mine, process, words
 
     def _disconnect(self) -> None:
         if self._control is None or self._process is None:
