@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 from types import TracebackType
 
+from wct_plugin.adapters import child
 from wct_plugin.batch_job import RECORD, Job, Record, failure
 from wct_plugin.errors import WctError
 
@@ -147,7 +148,7 @@ class ForkServer:
             if self._words.closed:
                 return ""
             self._words.seek(0)
-            return _last_line(self._words.read())
+            return child.last_words(self._words.read().decode(errors="replace"), lines=1)
 
 
 def cores() -> int:
@@ -208,21 +209,16 @@ def _cause(job: Job, verdict: Verdict, attempt: Path) -> str:
         return f"was stopped after {job.timeout:g} s, its timeout"
     if verdict.stopped == "memory" and job.memory:
         return f"was stopped when it used {_mega(verdict.peak_bytes)} MB of memory; its limit is {_mega(job.memory)} MB"
-    words = b""
+    words = ""
     with contextlib.suppress(OSError):
-        words = (attempt / "words").read_bytes()
+        words = (attempt / "words").read_text("utf-8", errors="replace")
+    said = child.last_words(words, lines=1)
     if verdict.signal == signal.SIGKILL:
         return "was killed, most likely because the system ran out of memory"
     if verdict.signal:
-        return f"crashed with {signal.Signals(verdict.signal).name}{_last_line(words)}"
-    return f"ended without a result, exit code {verdict.exit_code}{_last_line(words)}"
+        return f"crashed with {signal.Signals(verdict.signal).name}{said}"
+    return f"ended without a result, exit code {verdict.exit_code}{said}"
 
 
 def _mega(size: int) -> int:
     return round(size / (1 << 20))
-
-
-def _last_line(words: bytes) -> str:
-    lines = [" ".join(line.split()) for line in words.decode(errors="replace").splitlines()]
-    said = [line for line in lines if line][-1:]
-    return f"; it last said: {said[0][-300:]}" if said else ""
