@@ -6,8 +6,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from wct_plugin import _core
+from wct_plugin import _core, quality
 from wct_plugin.mesh import TetMesh
+from wct_plugin.remaining import remaining
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 from wct_plugin.surface import strata
 
@@ -41,11 +42,13 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
     No tet is ever inverted and never fewer tets contain their circumcenter than before. Sliding vertices stay on the
     surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
     between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners.
+    The metrics say which tets miss the goal, and what in the connectivity or the boundary provably rules it out.
     """
 
     name = "apply_coord_well_centering"
     takes = TetMesh
     gives = TetMesh
+    measures = True
     declaration = CoordWellCenteringOptions
     example: ClassVar[dict[str, Any]] = {"goal": "3wc", "boundary": "fixed"}
 
@@ -70,7 +73,18 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
             tolerance=tolerance,
             progress=lambda done, bad: progress(Progress("moving vertices", done, bad)) is not False,
         )
-        return replace(mesh, points=points), {**report}
+        moved = replace(mesh, points=points)
+        left = remaining(
+            moved,
+            surface,
+            quality.measure(moved),
+            goal=options.goal,
+            boundary=options.boundary,
+            crease_angle=options.crease_angle,
+            stopped=report["stopped"],
+            connectivity="fixed",
+        )
+        return moved, {**report, "remaining": left}
 
 
 def _diagonal(mesh: TetMesh) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from wct_plugin import duals, quality
+from wct_plugin.contradictions import contradiction, separate
 from wct_plugin.errors import WctError
 from wct_plugin.manifold import check_manifold
 from wct_plugin.mesh import TetMesh
@@ -14,8 +15,10 @@ from wct_plugin.negative_duals import negative_duals
 from wct_plugin.power_weights import power_weights
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 
-#: How many of the tets that cannot be helped the metrics name.
+#: How many of the tets without their orthocenter the metrics name.
 _NAMED = 100
+#: How many of those are explained, if they can be: a proof may take a second.
+_EXPLAINED = 25
 
 
 class PowerWeightsOptions(Options):
@@ -41,6 +44,8 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
     as they can, then widen the margin. Point data: ``power_weight`` (length squared, the smallest 0) and
     ``weighted_dual_volume``. Cell data: ``orthocenter_margin``, its smallest height over a facet in the tet's root mean
     square edge length (positive: contained), and ``min_weighted_dual_length``. ``duals.duals(mesh, weights)`` has all.
+    Where a tet goes without, it is often because no weights exist: ``contradictions`` in the metrics names groups of
+    tets, each proven in exact arithmetic to hold one at least that no weights can help together with the others.
     Refused are meshes with two points in one place and those whose boundary is no manifold.
     """
 
@@ -53,16 +58,25 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         check_manifold(mesh)
 
+        stopped = False
+
         def told(done: float, bad: int) -> bool:
-            return progress(Progress("weighing vertices", done, bad)) is not False
+            nonlocal stopped
+            stopped = progress(Progress("weighing vertices", done, bad)) is False
+            return not stopped
 
         found = power_weights(mesh, self.options.margin, told)
         outside = np.flatnonzero(~(found.margins > 0))
+        known = np.isfinite(found.margins)
+        asked = [] if stopped else [tet for tet in outside[:_EXPLAINED].tolist() if known[tet]]
+        reasons = [contradiction(mesh.points, mesh.tets, found.heights, tet, found.margins > 0) for tet in asked]
+        proven = [one for one in reasons if one]
         if self.options.strict and len(outside):
             more = f" (nor {len(outside) - 1} more)" if len(outside) > 1 else ""
+            why = f"; none exist: tets {' '.join(map(str, proven[0].names))} exclude each other" if proven else ""
             raise WctError(
-                f"{mesh.source or 'the mesh'}: no weights were found that give tet {outside[0]}{more} its orthocenter; "
-                "with strict=false the others get theirs"
+                f"{mesh.source or 'the mesh'}: no weights were found that give tet {outside[0]}{more} its orthocenter"
+                f"{why}; with strict=false the others get theirs"
             )
         plain, weighted = duals.duals(mesh), duals.duals(mesh, found.weights)
         marked = replace(
@@ -88,6 +102,10 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
             },
             "margin": float(np.nanmin(found.margins)),
             "without_orthocenter": outside[:_NAMED].tolist(),
+            "contradictions": {
+                "missed_at_least": separate(proven),
+                "proven": [one.to_dict() for one in proven],
+            },
             "negative_duals": {
                 "circumcentric": negative_duals(mesh, plain).to_dict(),
                 "weighted": negative_duals(mesh, weighted).to_dict(),

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, edge_length, fixed_facets, quality, starts
+from wct_plugin import _core, edge_length, quality, starts
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
+from wct_plugin.reasons import facets
 from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
 from wct_plugin.remaining import remaining
@@ -192,7 +193,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         acute = options.goal == "cwc"
         return _core.search_well_centered(
             **start,
-            ruled_out=fixed_facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
+            ruled_out=facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
             worth=_WORTH[options.boundary] * options.effort,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,

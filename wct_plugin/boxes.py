@@ -33,7 +33,7 @@ class _Tree:
     """A full binary tree over boxes in the order of a space-filling curve; filled up with empty ones."""
 
     def __init__(self, low: Floats, high: Floats) -> None:
-        self.order = np.argsort(_along_curve((low + high) / 2.0), kind="stable")
+        self.order = np.argsort(_along_curve(low / 2.0 + high / 2.0), kind="stable")
         leaves = 1 << (len(low) - 1).bit_length()
         bottom = np.full((2, leaves, 3), np.inf)
         bottom[1] = -np.inf
@@ -59,6 +59,7 @@ class _Tree:
 
 def _along_curve(centers: Floats) -> Ints:
     """Morton numbers of points (n, 3): the bits of the three coordinates interleaved, so that near points get near."""
+    centers = centers / 2.0  # so that no extent overflows
     extent = np.ptp(centers, axis=0)
     cells = ((centers - centers.min(axis=0)) / np.where(extent > 0.0, extent, 1.0) * (2**21 - 1)).astype(np.int64)
     out = np.zeros(len(centers), dtype=np.int64)

@@ -84,7 +84,13 @@ cli.add_command(completion)
 @cli_options.filter_options(*_OPTIMIZERS)
 @cli_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
-@click.option("--html", "html_path", metavar="FILE", help="Write the reports before and after as one HTML page")
+@click.option(
+    "--html",
+    "html_path",
+    metavar="FILE",
+    callback=cli_options.not_stdout,
+    help="Write the reports before and after as one HTML page",
+)
 @click.option("--print-pipeline", is_flag=True, help="Print the pipeline that does the same under `wct run`, and end")
 def optimize(
     source: str,

@@ -54,3 +54,10 @@ def given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, An
     """Those of the command's ``values`` that were given for the filters' options."""
     found = {option: values[_parameter(option, prefix)] for option in _fields(*names)}
     return {option: value for option, value in found.items() if value is not None}
+
+
+def not_stdout(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
+    """Refuse ``-`` for what is no text to be piped on."""
+    if value == "-":
+        raise click.BadParameter("is '-'; it must be the name of a file")
+    return value

@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 import click
 
-from wct_plugin import report_page, report_schema
+from wct_plugin import cli_options, report_page, report_schema
 from wct_plugin.adapters import meshio
 from wct_plugin.cli_show import (
     GOAL_MET,
@@ -43,7 +43,13 @@ def _meets(report: Report, goal: str | None) -> bool:
 @click.command()
 @click.argument("sources", metavar="FILE...", nargs=-1)
 @click.option("--json", "json_path", metavar="FILE", help="Write JSON (- for stdout): one object, or a list of them")
-@click.option("--html", "html_path", metavar="FILE", help="Write one self-contained HTML page with pictures")
+@click.option(
+    "--html",
+    "html_path",
+    metavar="FILE",
+    callback=cli_options.not_stdout,
+    help="Write one self-contained HTML page with pictures",
+)
 @click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
 @click.option("--goal", type=click.Choice(["3wc", "cwc"]), help="Exit with 1 unless every tet of every FILE meets it")
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")

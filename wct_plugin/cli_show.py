@@ -178,6 +178,8 @@ def print_before_after(before: Report, after: Report) -> None:
     out.print(table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
     if left := after.left():
         out.print(table(*left, left=True))
+    for line in after.why():
+        out.print(Text(line), soft_wrap=True)
     for note in after.notes:
         out.print(Text(note))
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin import power, quality
+from wct_plugin.errors import InputError
 from wct_plugin.mesh import TetMesh
 from wct_plugin.quality import Quality
 from wct_plugin.topology import OPPOSITE_EDGES
@@ -87,6 +88,9 @@ def duals(mesh: TetMesh, weights: Floats | None = None, coefficient: Floats | No
     volumes; nothing is averaged across an interface.
     """
     points, tets, topology = mesh.points, mesh.tets, mesh.topology
+    for name, given, count in (("weights", weights, len(points)), ("coefficient", coefficient, len(tets))):
+        if given is not None and given.shape != (count,):
+            raise InputError(f"{name} have shape {given.shape}; allowed is ({count},)")
     heights, errors, cotangents = quality.heights_and_cotangents(points, tets)
     edges = points[topology.edges]
     squares = np.einsum("eki,eki->e", *[edges[:, 1:] - edges[:, :1]] * 2)

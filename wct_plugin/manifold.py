@@ -4,7 +4,7 @@ import numpy as np
 
 from wct_plugin import surface
 from wct_plugin.errors import InputError
-from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh import TetMesh, and_more
 
 
 def check_manifold(mesh: TetMesh) -> None:
@@ -16,23 +16,18 @@ def check_manifold(mesh: TetMesh) -> None:
         twins = np.flatnonzero(place.reshape(-1) == one)
         raise InputError(
             f"{name}: points {twins[0]} and {twins[1]} are both {tuple(mesh.points[twins[0]].tolist())}"
-            f"{_and_more(len(double))}; each place may have one point, merge them"
+            f"{and_more(double)}; each place may have one point, merge them"
         )
     boundary = mesh.topology.boundary
-    ends = np.sort(boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, count = np.unique(ends, axis=0, return_counts=True)
+    edges, _, _, count, _ = surface.surface_edges(boundary, len(mesh.points))
     if (crowded := np.flatnonzero(count > 2)).size:
         one = crowded[0]
         raise InputError(
-            f"{name}: edge {tuple(edges[one].tolist())} is in {count[one]} boundary facets{_and_more(len(crowded))}; "
+            f"{name}: edge {tuple(edges[one].tolist())} is in {count[one]} boundary facets{and_more(crowded)}; "
             "at most two may share one"
         )
     if (pinched := np.flatnonzero(surface.pinched(boundary, len(mesh.points)))).size:
         raise InputError(
-            f"{name}: several sheets of the boundary touch at point {pinched[0]}{_and_more(len(pinched))}; "
+            f"{name}: several sheets of the boundary touch at point {pinched[0]}{and_more(pinched)}; "
             "each boundary point must lie on one sheet"
         )
-
-
-def _and_more(found: int) -> str:
-    return f" (and {found - 1} more)" if found > 1 else ""

@@ -48,6 +48,18 @@ def circumcenter(u: Vector, v: Vector, w: Vector) -> tuple[Any, Any, Any, Any]:
     return (square + square) - (p1 + p2 + p3), p1, p2, p3
 
 
+def pulls(u: Vector, v: Vector, w: Vector) -> tuple[Any, ...]:
+    """By how much :func:`circumcenter`'s value f falls, as an orthocenter's, per weight of vertex i, at 4 f + i.
+
+    With weights |v|^2 in Q becomes |v|^2 minus the difference of the two weights, so these are the dot products
+    N_f . N_i of the inward normals, N0 = -N1 - N2 - N3.
+    """
+    n1, n2, n3 = _cross(v, w), _cross(w, u), _cross(u, v)
+    total = _add(_add(n1, n2), n3)
+    normals = (tuple(x - x - x for x in total), n1, n2, n3)
+    return tuple(_dot(n, m) for n in normals for m in normals)
+
+
 def circumsphere(u: Vector, v: Vector, w: Vector, t: Vector) -> tuple[Any]:
     """Power of a fifth point with respect to a positive tet's circumsphere, times det: positive outside."""
     normals = _cross(v, w), _cross(w, u), _cross(u, v)

@@ -6,9 +6,10 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import fixed_facets
 from wct_plugin.mesh import TetMesh
 from wct_plugin.quality import Quality
+from wct_plugin.reasons import RECONNECT, Boundary, Connectivity, Goal, Reason, reasons
+from wct_plugin.reasons.reason import name
 from wct_plugin.surface import Strata, bends
 
 Floats = NDArray[np.float64]
@@ -20,6 +21,8 @@ CLASSES = ("interior", "patch", "crease", "corner")
 _FLAT = 0.1
 #: A crease is slight if it bends by at most this much more than the angle that makes it one, in degrees.
 _SLIGHT = 10.0
+#: How many reasons of each kind are named.
+_NAMED = 5
 
 
 class RemainingTet(TypedDict):
@@ -32,20 +35,38 @@ class RemainingTet(TypedDict):
     max_face_angle: float  #: in degrees
     centroid: list[float]
     option: str  #: what would free it
-    proof: str  #: why no tet in its place can meet the goal under the options given; "" where that is open
+    proof: str  #: why it, or one of a few that include it, never meets the goal under the options given; "" where open
+
+
+class ReasonKind(TypedDict):
+    """All reasons of one kind why the goal is out of reach."""
+
+    why: str
+    option: str  #: what would take them away
+    count: int
+    cells: list[list[list[int]]]  #: of the first few: the vertices, edges, facets and tets to blame, by their vertices
 
 
 class Remaining(TypedDict):
-    """All tets that miss the goal, worst first, and their number by class."""
+    """All tets that miss the goal, worst first, their number by class, and why the goal is out of reach."""
 
     count: int
     by_place: dict[str, int]
     proven: int  #: those with a proof that the options given rule the goal out
+    reasons: list[ReasonKind]
     tets: list[RemainingTet]
 
 
 def remaining(
-    mesh: TetMesh, of: Strata, measured: Quality, *, goal: str, boundary: str, crease_angle: float, stopped: bool
+    mesh: TetMesh,
+    of: Strata,
+    measured: Quality,
+    *,
+    goal: Goal,
+    boundary: Boundary,
+    crease_angle: float,
+    stopped: bool,
+    connectivity: Connectivity = "free",
 ) -> Remaining:
     """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine."""
     acute = goal == "cwc"
@@ -55,14 +76,17 @@ def remaining(
         clearance = np.minimum(clearance, np.cos(np.radians(measured.max_face_angle[bad])))
     bad = bad[np.argsort(np.nan_to_num(clearance, nan=-np.inf), kind="stable")]
     place = of.stratum[mesh.tets[bad]].max(axis=1, initial=0)
-    proofs = [""] * len(bad)
-    if boundary == "fixed" and len(bad):
-        proofs = fixed_facets.verdicts(mesh, bad, of, acute=acute)
-    advice = _Advice(mesh, of, boundary, crease_angle)
+    why = reasons(mesh, of, bad, goal=goal, boundary=boundary, connectivity=connectivity) if len(bad) else []
+    proofs: dict[int, Reason] = {}
+    for reason in why:
+        for tet in reason.tets:
+            proofs.setdefault(tet, reason)
+    advice = _Advice(mesh, of, boundary, crease_angle, connectivity)
     tets: list[RemainingTet] = []
-    for tet, stratum, proof in zip(bad.tolist(), place.tolist(), proofs, strict=True):
+    for tet, stratum in zip(bad.tolist(), place.tolist(), strict=True):
         holds_3, holds_2 = bool(measured.well_centered_3[tet]), bool(measured.well_centered_2[tet])
-        option = "more time: it was stopped" if stopped and not proof else advice.option(tet, stratum)
+        proof = proofs.get(tet)
+        option = proof.frees if proof else "more time: it was stopped" if stopped else advice.option(tet, stratum)
         tets.append(
             {
                 "tet": tet,
@@ -72,7 +96,7 @@ def remaining(
                 "max_face_angle": float(measured.max_face_angle[tet]),
                 "centroid": mesh.points[mesh.tets[tet]].mean(axis=0).tolist(),
                 "option": option + (", or goal=3wc" if holds_3 else ""),
-                "proof": proof,
+                "proof": str(proof) if proof else "",
             }
         )
     counts = Counter(tet["place"] for tet in tets)
@@ -80,15 +104,29 @@ def remaining(
         "count": len(tets),
         "by_place": {name: counts[name] for name in CLASSES},
         "proven": sum(bool(tet["proof"]) for tet in tets),
+        "reasons": _kinds_of_reasons(why),
         "tets": tets,
     }
+
+
+def _kinds_of_reasons(found: list[Reason]) -> list[ReasonKind]:
+    kinds: dict[str, ReasonKind] = {}
+    for one in found:
+        kind = kinds.setdefault(one.why, {"why": one.why, "option": one.frees, "count": 0, "cells": []})
+        kind["count"] += 1
+        if len(kind["cells"]) < _NAMED:
+            kind["cells"].append([list(cell) for cell in one.cells])
+    return list(kinds.values())
 
 
 class _Advice:
     """Which option takes away what holds a tet, from its class and the shape of the surface at its vertices."""
 
-    def __init__(self, mesh: TetMesh, of: Strata, boundary: str, crease_angle: float) -> None:
+    def __init__(
+        self, mesh: TetMesh, of: Strata, boundary: Boundary, crease_angle: float, connectivity: Connectivity
+    ) -> None:
         self._mesh, self._of, self._boundary, self._crease_angle = mesh, of, boundary, crease_angle
+        self._connectivity = connectivity
         edges, bend, smooth = bends(mesh.points, of.triangles, of.patch)
         count = len(mesh.points)
         self._patch_bend = np.zeros(count)
@@ -101,6 +139,9 @@ class _Advice:
         np.maximum.at(self._crease_bend, of.segments.ravel(), np.repeat(bend_of, 2))
 
     def option(self, tet: int, stratum: int) -> str:
+        if self._connectivity == "fixed":
+            slide = "boundary=slide, or " if stratum and self._boundary == "fixed" else ""
+            return slide + RECONNECT
         if stratum == 0:
             return "a larger effort"
         if self._boundary != "move":
@@ -120,8 +161,17 @@ class _Advice:
 def title(found: Remaining) -> str:
     """What is left in one line."""
     places = ", ".join(f"{count} {place}" for place, count in found["by_place"].items() if count)
-    proven = f"; {found['proven']} provably cannot meet it under the options given" if found["proven"] else ""
+    proven = f"; for {found['proven']} it is provably out of reach under the options given" if found["proven"] else ""
     return f"{found['count']} tets miss the goal: {places}{proven}"
+
+
+def lines(found: Remaining) -> list[str]:
+    """Why the goal is out of reach, one line per kind of reason: how often, where first, and what would help."""
+    return [
+        f"provably impossible under these options, {kind['count']} times: {kind['why']}"
+        f" (first at {', '.join(map(name, kind['cells'][0]))}); {kind['option']} would free it"
+        for kind in found["reasons"]
+    ]
 
 
 HEAD = ("tet", "class", "misses", "min h/R", "max face angle", "centroid", "what would free it")

@@ -188,6 +188,10 @@ class Report:
         title = remaining.title(self.remaining) + (f"; the worst {len(listed)} of them" if rest else "")
         return title, remaining.HEAD, listed
 
+    def why(self) -> list[str]:
+        """Why tets that miss the goal provably do so under the options given, one line per kind of reason."""
+        return remaining.lines(self.remaining) if self.remaining else []
+
 
 def short_names(reports: Sequence[Report]) -> list[str]:
     """What to call each beside the others: its number and file, for the same name may be in two folders."""

@@ -169,6 +169,7 @@ def _left(name: str, report: Report, named: bool) -> Html:
         rows = remaining.rows(found, _MOST)
         parts = [
             paragraph(f"{remaining.title(found)}."),
+            *(paragraph(f"{line}.") for line in report.why()),
             table("By what would free them", remaining.KINDS, remaining.kinds(found), words=True),
             table("The worst of them", remaining.HEAD, rows[:_FIRST], words=True),
         ]

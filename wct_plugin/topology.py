@@ -77,7 +77,7 @@ class Topology:
     @cached_property
     def boundary(self) -> Ints:
         """(b, 3) boundary triangles, oriented outward."""
-        return self._facets(self.boundary_half_facets)
+        return self.triangles_of(self.boundary_half_facets)
 
     @cached_property
     def interface_pairs(self) -> Ints:
@@ -89,9 +89,9 @@ class Topology:
     @cached_property
     def interfaces(self) -> Ints:
         """(k, 3) triangles between two regions, oriented out of the first tet of :attr:`interface_pairs`."""
-        return self._facets(self.interface_pairs[:, :2])
+        return self.triangles_of(self.interface_pairs[:, :2])
 
-    def _facets(self, half_facets: Ints) -> Ints:
+    def triangles_of(self, half_facets: Ints) -> Ints:
         """(k, 3) the triangles of rows of tet and local facet, oriented out of the tet."""
         triangles: Ints = self._tets[half_facets[:, :1], FACETS[half_facets[:, 1]]]
         return triangles
@@ -106,7 +106,7 @@ class Topology:
     @cached_property
     def facets(self) -> Ints:
         """(f, 3) every facet once: those of :attr:`interior_pairs`, out of their first tet, then :attr:`boundary`."""
-        return np.concatenate([self._facets(self.interior_pairs[:, :2]), self.boundary])
+        return np.concatenate([self.triangles_of(self.interior_pairs[:, :2]), self.boundary])
 
     @cached_property
     def tet_facets(self) -> Ints:
@@ -129,7 +129,7 @@ class Topology:
         """(e, 2) every edge once, ends ascending, rows in lexicographic order."""
         return self._edges[0]
 
-    @cached_property
+    @property
     def edge_valence(self) -> Ints:
         """(e,) how many tets meet at each row of :attr:`edges`."""
         return self._edges[1]

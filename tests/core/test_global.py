@@ -278,7 +278,7 @@ def test_two_regions_share_an_interface():
 
 
 def test_progress_can_stop_it():
-    points, tets = box(10)
+    points, tets = box(16)
     calls = []
     result = _core.resample(
         **cube_surface(),

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import ball, cylinder, jittered_cube, two_region_cube
+from builders import ball, cylinder, jittered_cube, kuhn_cube, two_region_cube
 
 from wct_plugin import apply_filter, quality
 from wct_plugin.deviation import deviation
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import Cells, SurfaceMesh
+from wct_plugin.report import make_report
 from wct_plugin.surface import strata
 
 
@@ -152,3 +153,15 @@ def test_an_exception_in_progress_comes_through():
 
     with pytest.raises(KeyboardInterrupt):
         apply_filter("apply_coord_well_centering", jittered_cube(5, 8), progress=fail)
+
+
+def test_it_says_what_the_connectivity_rules_out():
+    mesh = kuhn_cube(2)
+    for boundary in ("slide", "fixed"):
+        better, metrics = apply_filter("apply_coord_well_centering", mesh, goal="cwc", boundary=boundary)
+        left = metrics["remaining"]
+        assert left["count"] == metrics["bad_after"] > 0
+        assert left["proven"] > 0
+        assert all(kind["option"].endswith("filters.meshing_well_centered") for kind in left["reasons"])
+        report = make_report(better, found=metrics)
+        assert len(report.why()) == len(left["reasons"])

@@ -9,6 +9,8 @@ from flags import center
 from refusals import refused
 
 import wct_plugin as wct
+from wct_plugin import power_weights, quality
+from wct_plugin.contradictions import contradiction
 from wct_plugin.duals import duals
 from wct_plugin.errors import InputError, WctError
 from wct_plugin.mesh import TetMesh
@@ -95,7 +97,7 @@ def facet_areas(mesh):
 
 
 def test_scale_does_not_matter():
-    mesh = jittered_cube(3, 1)
+    mesh = jittered_cube(2, 1)
     margins = [
         weigh(TetMesh(mesh.points * scale, mesh.tets))[0].cell_data["orthocenter_margin"] for scale in (1.0, 1024.0)
     ]
@@ -116,7 +118,7 @@ def test_a_tet_too_flat_to_know_is_left_out():
 
 
 def test_it_is_deterministic_and_can_be_stopped():
-    mesh = jittered_cube(4, 2)
+    mesh = shaken_cube(2)
     assert_same(weigh(mesh)[0], weigh(mesh)[0])
     seen = []
     stopped, metrics = weigh(mesh, progress=lambda state: seen.append(state) or False)
@@ -125,8 +127,43 @@ def test_it_is_deterministic_and_can_be_stopped():
     assert (stopped.point_data["power_weight"] == 0).all()
 
 
+def test_what_no_weights_can_do_is_proven():
+    """The multipliers make a sum of all conditions that is the same for any weights, and not positive."""
+    mesh = shaken_cube(2)
+    metrics = weigh(mesh)[1]
+    proven = metrics["contradictions"]["proven"]
+    assert metrics["contradictions"]["missed_at_least"] == 1
+    assert len(metrics["without_orthocenter"]) == len(proven) == 1
+    one = proven[0]
+    multipliers = np.array(one["multipliers"]) * measure(mesh).volume[one["tets"]] ** 2
+    multipliers /= multipliers.max()
+    sums = []
+    for seed in range(5):
+        weights = np.random.default_rng(seed).uniform(0.0, 0.2, len(mesh.points))
+        sums.append(multipliers @ barycentrics(mesh, weights)[one["tets"], one["facets"]])
+    assert min(multipliers) >= 0
+    assert sums == pytest.approx([sums[0]] * 5, abs=1e-9)
+    assert sums[0] < -1e-6
+    assert metrics["without_orthocenter"][0] in one["tets"]
+
+
+def test_costs_per_tet_leave_fewer_without(monkeypatch):
+    mended = weigh(shaken_cube(2))[1]["without_orthocenter"]
+    monkeypatch.setattr(power_weights, "_MENDED", 0)
+    assert len(mended) < len(weigh(shaken_cube(2))[1]["without_orthocenter"])
+
+
+def test_nothing_contradicts_itself_where_weights_exist():
+    mesh = bcc(2)
+    heights = quality.heights(mesh.points, mesh.tets)[0]
+    kept = np.ones(len(mesh.tets), dtype=bool)
+    assert all(contradiction(mesh.points, mesh.tets, heights, tet, kept) is None for tet in range(len(mesh.tets)))
+
+
 def test_refusals(tmp_path, capsys):
-    with pytest.raises(WctError, match=r"no weights were found that give tet \d+ \(nor \d+ more\) its orthocenter"):
+    with pytest.raises(
+        WctError, match=r"give tet \d+ its orthocenter; none exist: tets( \d+)+ exclude each other; with"
+    ):
         weigh(shaken_cube(2), strict=True)
     grid = kuhn_cube(1)
     with pytest.raises(InputError, match=r"points 0 and 6 are both \(0.0, 0.0, 0.0\) \(and 3 more\); each place"):

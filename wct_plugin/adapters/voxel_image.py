@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError, WctError
 
-_PAGES = (".tif", ".tiff", ".gif")
+_PAGES = (".tif", ".tiff")
 _SLICES = (".png", ".bmp", ".pgm", ".tif", ".tiff")
 
 

@@ -113,7 +113,7 @@ TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, c
 double with_room(double square, double scale) {
     const double far = std::sqrt(square);
     const double above = far + 1e-14 * (far + scale);
-    return above * above;
+    return std::max(above * above, std::numeric_limits<double>::min()); // what underflows must stay above a hit of 0
 }
 
 double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c) {

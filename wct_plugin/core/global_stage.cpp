@@ -333,7 +333,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         lap("relax");
         Complex complex;
         std::vector<int> touched;
-        int since = 0;
+        std::vector<double> fewest; // bad tets and facets off, after each round since the domain was met
         for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
             Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched, workers);
             const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
@@ -344,12 +344,14 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             const bool sound = represents(cloud, complex, flaws);
             const std::size_t off = count_off(cloud, ties, form.held * tolerance);
             if (round == 0 || std::pair(!sound, tally.bad + off) < std::pair(!best.intact, best.tally.bad + best.off)) {
+                if (!best.intact)
+                    fewest.clear();
                 best = {cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
-                since = 0;
-            } else if (++since > 5) {
-                break;
             }
-            if (round == form.rounds || tally.bad == 0)
+            fewest.push_back(static_cast<double>(best.tally.bad + best.off));
+            const std::size_t lately = best.intact ? form.lately : 2 * form.lately;
+            const bool settled = fewest.size() > lately && fewest.back() > form.worth * fewest.end()[-1 - lately];
+            if (round == form.rounds || tally.bad == 0 || settled)
                 break;
             monitor.set_bad(static_cast<std::int64_t>(best.tally.bad));
             EnergyForm energy = form.energy;

@@ -32,7 +32,11 @@ struct GlobalForm {
     static constexpr int mend_from = 4;     // sweep after which holes are filled and crowds thinned
     static constexpr double longest = 1.38; // surface edge, in sizes
     static constexpr double shortest = 0.62;
-    static constexpr int rounds = 20;     // of descent
+    static constexpr int rounds = 20; // of descent
+    /// What so many rounds must bring the bad tets down to for another to begin: the local search mends the rest
+    /// sooner.
+    static constexpr int lately = 3;
+    static constexpr double worth = 0.97;
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes
     /// More where the domain was not met, with smaller sizes where its sheets touched each other or were cut across.

@@ -7,7 +7,8 @@ namespace wct {
 
 namespace {
 constexpr double kLoose = 1.0; // how far beyond the tolerance a kick may go, in tolerances
-/// Shares of the kicks that refine the surface, at a facet beyond the tolerance and where nothing else has helped.
+/// Shares of the kicks that refine the surface, at a facet beyond the tolerance and at others. A tet only short of a
+/// margin must first have withstood all else: small curved meshes would pay for it with tets.
 constexpr double kRefineOver = 0.5;
 constexpr double kRefine = 0.25;
 } // namespace
@@ -76,7 +77,7 @@ void Kicks::refine_surface(int t) {
     watch_.loose = 0.0;
 }
 
-void Kicks::shake(int t, const Kick &kick, bool stuck) {
+void Kicks::shake(int t, const Kick &kick, double refine) {
     const Tet tet = complex_.tet(t);
     const Vec3 center =
         0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
@@ -93,7 +94,7 @@ void Kicks::shake(int t, const Kick &kick, bool stuck) {
         open_wedges(t);
     if (random_.coin())
         mend_valence(t);
-    if (random_.uniform() < (complex_.over(tet) > 0.0 ? kRefineOver : stuck ? kRefine : 0.0))
+    if (random_.uniform() < refine)
         refine_surface(t);
     for (int k = 0; k < kick.operators; ++k) {
         const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
@@ -159,9 +160,12 @@ bool Kicks::once() {
     const double scale = stuck && random_.coin() ? finer : 1.0;
     operators_.shortest *= scale;
     operators_.longest *= scale;
+    const double refine = complex_.over(tet) > 0.0                           ? kRefineOver
+                          : stuck || energy_.misses_goal(complex_.energy(t)) ? kRefine
+                                                                             : 0.0;
     complex_.mark();
     const int over = complex_.over_count();
-    shake(t, kick, stuck);
+    shake(t, kick, refine);
     const bool keep = repair(center, radius) && complex_.over_count() <= over;
     operators_.shortest /= scale;
     operators_.longest /= scale;

@@ -14,8 +14,8 @@ class Kicks {
   public:
     Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
           SurfaceWatch &watch, Repair &repair, Random &random)
-        : complex_(complex), operators_(operators), descent_(descent), watch_(watch), repair_(repair), random_(random),
-          agenda_(complex, energy, random) {}
+        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), watch_(watch), repair_(repair),
+          random_(random), agenda_(complex, energy, random) {}
 
     /// Look for bad tets afresh, after changes made elsewhere.
     void restart() { agenda_.rebuild(); }
@@ -40,13 +40,15 @@ class Kicks {
     /// surface a vertex there at any price. Chance seldom finds the facet among those of the neighbourhood, and a
     /// vertex more that is not relaxed yet costs more than the slack of a random operator.
     void refine_surface(int t);
-    void shake(int t, const Kick &kick, bool stuck);
+    /// `refine` is the chance that the surface is refined.
+    void shake(int t, const Kick &kick, double refine);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
     /// has been tried before.
     void near_changed(const Vec3 &center, double radius);
     bool repair(const Vec3 &center, double radius);
 
     TetComplex &complex_;
+    const SearchEnergy &energy_;
     Operators &operators_;
     StarDescent &descent_;
     SurfaceWatch &watch_;

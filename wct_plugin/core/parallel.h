@@ -40,9 +40,11 @@ class Workers {
                     }
                 }
         };
+        const std::size_t helpers = std::min<std::size_t>(threads_, chunks);
         std::vector<std::thread> others;
+        others.reserve(helpers); // so that nothing is thrown while threads are at work
         try {
-            while (others.size() + 1 < std::min<std::size_t>(threads_, chunks))
+            while (others.size() + 1 < helpers)
                 others.emplace_back(work);
         } catch (const std::system_error &) { // the system has no more: those there are do it all
         }
