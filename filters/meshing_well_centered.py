@@ -1,19 +1,21 @@
 """``filters.meshing_well_centered``: resample, reconnect and move until every tet is well-centered."""
 
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, field_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, edge_length, quality, starts
+from wct_plugin import _core, conforming, edge_length, quality, starts
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
+from wct_plugin.goals import DUAL, misses
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
 from wct_plugin.reasons import facets
@@ -45,8 +47,10 @@ class MeshingOptions(Options):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
-    goal: Literal["3wc", "cwc"] = Field(
-        "cwc", description="3wc: every tet contains its circumcenter; cwc: every triangle too"
+    goal: Literal["delaunay", "one-sided", "3wc", "cwc"] = Field(
+        "cwc",
+        description="delaunay: no vertex inside a tet's sphere; one-sided: all signed duals positive too;"
+        " 3wc: every tet contains its circumcenter; cwc: every triangle too",
     )
     boundary: Literal["move", "keep", "fixed"] = Field(
         "move", description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay"
@@ -85,6 +89,12 @@ class MeshingOptions(Options):
             return value
         raise ValueError("must be a SurfaceMesh or the name of a surface file")
 
+    @model_validator(mode="after")
+    def _cheapest(self) -> Self:
+        if self.goal in DUAL and self.edge_length is not None:
+            raise ValueError(f"edge_length asks for other edges, goal {self.goal} for the cheapest change: drop one")
+        return self
+
 
 class MeshingWellCentered(Filter[MeshingOptions]):
     """Resample, reconnect and move until every tet contains its circumcenter; the surface stays within a tolerance.
@@ -96,6 +106,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     Where those or tagged facets inside a region rule a new start out, the search starts from the mesh itself.
     Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
     follow their own facets instead of it.
+    The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
+    move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
     """
 
@@ -116,6 +128,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         wanted = edge_length.at_points(options.edge_length, mesh)
         moves = options.boundary == "move"
         own = own_boundary(mesh, options.crease_angle)
+        if options.goal in DUAL:
+            return self._conform(mesh, own, surface, progress)
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
@@ -128,13 +142,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
                 stacklevel=2,
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
-        sheets = len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
         measured = quality.measure(mesh)
-        listen = _Listener(progress, self._bad(measured))
+        listen = _Listener(progress, self._bad(mesh, measured))
         start = None
         if not moves:
             start = self._pinned_start(mesh, own, wanted, listen)
-        elif not sheets:
+        elif not _has_sheets(mesh, own):
             start = self._resample(mesh, reference, held, wanted, listen)
         if start is None or (moves and listen.stopped):
             reference = own
@@ -145,7 +158,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         better = carry(mesh, own.strata, _resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
-        gain = self._bad(measured) * len(after) - self._bad(after) * len(measured)
+        gain = self._bad(mesh, measured) * len(after) - self._bad(better, after) * len(measured)
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
@@ -157,12 +170,44 @@ class MeshingWellCentered(Filter[MeshingOptions]):
 
     def _share(self, start: Start) -> float:
         """Of the tets that miss the goal in a start of the search."""
-        measured = quality.measure(TetMesh(start["points"], start["tets"]))
-        return self._bad(measured) / len(measured)
+        mesh = TetMesh(start["points"], start["tets"])
+        return self._bad(mesh, quality.measure(mesh)) / len(mesh.tets)
 
-    def _bad(self, measured: Quality) -> int:
-        good = measured.completely_well_centered if self.options.goal == "cwc" else measured.well_centered_3
-        return int((~good).sum())
+    def _bad(self, mesh: TetMesh, measured: Quality) -> int:
+        return int(misses(mesh, measured, self.options.goal).sum())
+
+    def _conform(
+        self, mesh: TetMesh, own: Reference, surface: SurfaceMesh | None, progress: ProgressCallback
+    ) -> tuple[TetMesh, Metrics]:
+        """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is."""
+        options = self.options
+        diagonal = (surface or mesh).diagonal
+        tolerance = (options.tolerance or own.auto_tolerance()) * diagonal
+        better, after = mesh, quality.measure(mesh)
+        bad = self._bad(mesh, after)
+        listen = _Listener(progress, bad)
+        if bad and not listen.stopped:
+            asked: _Asked = {
+                "one_sided": options.goal == "one-sided",
+                "effort": options.effort,
+                "seed": options.seed + 1,
+                "progress": listen.conform,
+            }
+            if options.boundary == "fixed" or _has_sheets(mesh, own):
+                found = conforming.conform_inside(mesh, own, **asked)
+            else:
+                found = conforming.conform(mesh, own, surface, tolerance, **asked)
+            new = mesh if found is None else carry(mesh, own.strata, found)
+            measured = quality.measure(new)
+            left = self._bad(new, measured)
+            if left * len(mesh.tets) < bad * len(new.tets):  # the output is never worse
+                better, after, bad = new, measured, left
+            elif not listen.stopped:
+                warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
+            listen.measure(bad)
+        better = replace(better, reference=surface)
+        result = self._judge(mesh, own, better, after, tolerance, stopped=listen.stopped)
+        return better, {**result, "stopped": listen.stopped, "tolerance": tolerance / diagonal}
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
@@ -266,6 +311,20 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return refilled
 
 
+class _Asked(TypedDict):
+    """What both ways to conform are asked."""
+
+    one_sided: bool
+    effort: int
+    seed: int
+    progress: Callable[[float, int], bool]
+
+
+def _has_sheets(mesh: TetMesh, own: Reference) -> bool:
+    """Whether facets inside a region are tagged."""
+    return len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
+
+
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
     if not isinstance(reference, str):
         return reference
@@ -301,6 +360,11 @@ class _Listener:
     def resample(self, done: float, bad: int) -> bool:
         """Until the search takes the new mesh over, the best so far is the input."""
         self.stopped = self.stopped or not self._tell("resampling", done)
+        return not self.stopped
+
+    def conform(self, done: float, bad: int) -> bool:
+        self._bad = bad
+        self.stopped = self.stopped or not self._tell("conforming", done)
         return not self.stopped
 
     def search(self, phase: str, done: float, bad: int) -> bool:

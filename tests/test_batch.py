@@ -205,6 +205,27 @@ def test_ctrl_c_ends_the_jobs_and_keeps_the_manifest(tmp_path, monkeypatch):
     assert not list(out.glob(".*"))
 
 
+def test_ctrl_c_during_the_summaries_tells_what_is_finished(place, monkeypatch):
+    def pressed(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wct_plugin.batch_summary.to_html", pressed)
+    with pytest.raises(KeyboardInterrupt, match="1 of 1 files are finished"):
+        wct.run_batch(QUALITY, ["c0.vtu"], "out")
+
+
+def test_the_least_limit_is_one_still(place, monkeypatch):
+    taken = []
+    monkeypatch.setattr("wct_plugin.batch._run", lambda jobs, *_: taken.extend(jobs) or [])
+    wct.run_batch(QUALITY, ["c0.vtu"], "out", memory_limit=1e-9)
+    assert [job.memory for job in taken] == [1]
+
+
+def test_half_a_job_at_a_time_is_refused(place):
+    with pytest.raises(OptionError, match=r"jobs is 1.5; allowed is a whole number, 1 or more"):
+        wct.run_batch(QUALITY, ["c0.vtu"], "out", jobs=1.5)
+
+
 def test_two_batches_do_not_write_one_manifest(tmp_path, monkeypatch):
     mixed_batch.break_tetgen(tmp_path / "bin", monkeypatch)
     mixed_batch.make(tmp_path / "in", good=0, bad=1)

@@ -1,6 +1,7 @@
 """What a job does to its own process, in native code or not, is one line in its record and nobody else's loss."""
 
 import os
+import sys
 import time
 from pathlib import Path
 
@@ -9,7 +10,8 @@ from processes import children, wait_until
 
 import wct_plugin as wct
 from wct_plugin import sessions
-from wct_plugin.batch_isolation import ForkServer
+from wct_plugin.batch_isolation import ForkServer, run_isolated
+from wct_plugin.batch_job import Job
 
 #: A filter of another package that breaks in the way that the file's name says.
 BREAKER = '''
@@ -110,6 +112,18 @@ def test_every_way_to_break_costs_one_file(tmp_path, monkeypatch):
 def test_the_server_ends_with_us_and_starts_when_needed():
     with ForkServer():
         assert children("batch_server") == []  # nothing was asked of it
+
+
+def test_a_server_that_cannot_start_costs_one_job(tmp_path, monkeypatch):
+    wct.write(tmp_path / "cube.vtu", kuhn_cube(1))
+    chain = [{"type": "filters.get_quality"}]
+    job = Job(str(tmp_path / "cube.vtu"), "cube.vtu", chain, "2", str(tmp_path), str(tmp_path))
+    with ForkServer() as server:
+        with monkeypatch.context() as broken:
+            broken.setattr(sys, "executable", str(tmp_path / "gone"))
+            record, _ = run_isolated(job, server)
+        assert record.cause == "no process could be started for the job: No such file or directory"
+        assert run_isolated(job, server)[0].exit_code == 0
 
 
 def test_memory_is_counted_per_session():

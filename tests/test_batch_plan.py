@@ -85,6 +85,8 @@ def test_inputs_are_refused_before_anything_starts(reason, place, capsys):
         (["-o", "x.vtu"], "x.vtu: is a file; a batch needs a directory for its outputs"),
         (["-o", "out", "--format", "stl"], "x.stl: STL cannot carry a tetrahedral mesh"),
         (["-o", "out", "--format", "vtx"], "x.vtx: unknown suffix '.vtx'"),
+        (["-o", "out", "--format", ""], "suffix '' cannot end a file's name; allowed is one such as vtu"),
+        (["-o", "out", "--format", "a/b"], "suffix 'a/b' cannot end a file's name; allowed is one such as vtu"),
         (["-o", "out", "--jobs", "0"], "Invalid value for '--jobs': 0 is not in the range x>=1."),
         (["-o", "out", "--timeout", "0"], "timeout is 0.0; allowed is a number above 0"),
         (["-o", "out", "--memory-limit", "-1"], "memory_limit is -1.0; allowed is a number above 0"),

@@ -184,7 +184,7 @@ def test_what_is_no_json(text, message):
 def test_the_schema_is_one():
     Draft202012Validator.check_schema(schema())
     found = schema()["$defs"]["filters.meshing_well_centered"]
-    assert found["properties"]["goal"]["enum"] == ["3wc", "cwc"]
+    assert found["properties"]["goal"]["enum"] == ["delaunay", "one-sided", "3wc", "cwc"]
     assert found["properties"]["crease_angle"]["exclusiveMaximum"] == 180
 
 

@@ -43,6 +43,7 @@ class Tagged(Shift):
 def test_our_filters_are_registered():
     assert filter_names() == [
         "apply_coord_well_centering",
+        "compute_power_weights",
         "compute_scalar_by_well_centeredness",
         "create_cube",
         "create_cube_corner",

@@ -187,6 +187,20 @@ class RefilledArrays(TypedDict):
     regions: NDArray[np.int64]
     stopped: bool
 
+class ConformedArrays(SurfaceArrays):
+    """What :func:`conform` gives."""
+
+    origin: NDArray[np.int64]
+    """(n,) the input's point, -1 for a new one"""
+    regions: NDArray[np.int64]
+    """(m,) index of the region"""
+    rounds: int
+    intact: bool
+    """Creases, surfaces and the Euler characteristic of every region are as in the mesh."""
+    faults: dict[str, int]
+    """Places that are short of the goal, by kind."""
+    stopped: bool
+
 def resample(
     surface_points: NDArray[np.float64],
     triangles: NDArray[np.int64],
@@ -240,6 +254,57 @@ def refill(
     their ``facet_patch`` (f,), ``sides`` (patches, 2) as in :func:`resample`; ``edges`` (e, 2) that stay.
     ``size`` (n,): wanted edge length per point; without it the new mesh has up to twice the tets.
     There are no tets where the facets leave no choice, or where it was stopped early.
+    """
+
+def conform_inside(
+    points: NDArray[np.float64],
+    tets: NDArray[np.int64],
+    region: NDArray[np.int64],
+    pinned: NDArray[np.int64],
+    facets: NDArray[np.int64],
+    facet_patch: NDArray[np.int64],
+    sides: NDArray[np.int64],
+    edges: NDArray[np.int64],
+    size: NDArray[np.float64],
+    *,
+    one_sided: bool = True,
+    effort: int = 1,
+    seed: int = 1,
+    progress: Callable[[float, int], Any] | None = None,
+) -> RefilledArrays:
+    """Make a mesh Delaunay, and one-sided, between its surface facets, which stay.
+
+    Arguments and result as of :func:`refill`; ``size`` (n,): edge length per point. ``effort`` multiplies the rounds.
+    """
+
+def conform(
+    points: NDArray[np.float64],
+    tets: NDArray[np.int64],
+    regions: NDArray[np.int64],
+    stratum: NDArray[np.int8],
+    label: NDArray[np.int64],
+    size: NDArray[np.float64],
+    facets: NDArray[np.int64],
+    facet_patch: NDArray[np.int64],
+    sides: NDArray[np.int64],
+    creases: NDArray[np.int64],
+    crease_curve: NDArray[np.int64],
+    tolerance: float,
+    *,
+    given_points: NDArray[np.float64] | None = None,
+    given_triangles: NDArray[np.int64] | None = None,
+    one_sided: bool = True,
+    effort: int = 1,
+    seed: int = 1,
+    progress: Callable[[float, int], Any] | None = None,
+    threads: int = 0,
+) -> ConformedArrays:
+    """Make a mesh Delaunay, and one-sided, with its surface vertices where they are.
+
+    ``points`` (n, 3), ``tets`` (m, 4), ``regions`` (m,) from 0, per point ``stratum``, ``label`` and ``size``;
+    ``facets`` (f, 3) of the surface with their ``facet_patch`` (f,), ``sides`` (patches, 2) as in :func:`resample`,
+    ``creases`` (c, 2) with their ``crease_curve`` (c,). ``tolerance``: greatest distance of the new surface from the
+    facets, or from the given triangles where there are some, a length. ``effort`` multiplies the rounds.
     """
 
 def search_well_centered(

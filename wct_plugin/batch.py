@@ -6,6 +6,7 @@
 >>> done.exit_code, [record.cause for record in done.failed]  # doctest: +SKIP
 """
 
+import math
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -137,7 +138,7 @@ def run_batch(
         folder=os.getcwd(),
         work=str(manifest.work),
         timeout=timeout,
-        memory=None if memory_limit is None else int(memory_limit * _MEGABYTE),
+        memory=None if memory_limit is None else math.ceil(memory_limit * _MEGABYTE),
     )
     try:
         with ExitStack() as stack:
@@ -154,27 +155,29 @@ def run_batch(
                 else:
                     found.append(known)
             found += _run(waiting, found, manifest, executor, progress or _silent)
+        csv, html = (target / f"summary{part}.{form}" for form in ("csv", "html"))
+        for path, text in (
+            (csv, batch_summary.to_csv(found)),
+            (html, batch_summary.to_html(found, f"Batch {target.resolve().name}{part}")),
+        ):
+            with files.replacing(path) as temporary:
+                temporary.write_text(text, encoding="utf-8")
     except KeyboardInterrupt as error:
         error.args = (
             f"{manifest.count(make(one.source, one.name) for one in tasks)} of {len(tasks)} files are finished",
         )
         raise
-    csv, html = (target / f"summary{part}.{form}" for form in ("csv", "html"))
-    for path, text in (
-        (csv, batch_summary.to_csv(found)),
-        (html, batch_summary.to_html(found, f"Batch {target.resolve().name}{part}")),
-    ):
-        with files.replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
     return BatchResult(tuple(batch_summary.ordered(found)), len(waiting), csv, html)
 
 
 def _check_limits(jobs: int | None, timeout: float | None, memory: float | None, scheduler: str | None) -> None:
     if jobs is not None and scheduler is not None:
         raise OptionError("jobs is for this machine; how many run at a time on a scheduler's workers is theirs to say")
-    for name, value, least in (("jobs", jobs, 1), ("timeout", timeout, 0), ("memory_limit", memory, 0)):
-        if value is not None and not (value > 0 and value >= least and value != float("inf")):
-            raise OptionError(f"{name} is {value}; allowed is {'1 or more' if least else 'a number above 0'}")
+    if jobs is not None and not (isinstance(jobs, int) and jobs >= 1):
+        raise OptionError(f"jobs is {jobs}; allowed is a whole number, 1 or more")
+    for name, value in (("timeout", timeout), ("memory_limit", memory)):
+        if value is not None and not 0 < value < math.inf:
+            raise OptionError(f"{name} is {value}; allowed is a number above 0")
     if memory is not None and sys.platform != "linux":
         raise OptionError(f"memory_limit cannot be kept on {sys.platform}; leave it out")
 

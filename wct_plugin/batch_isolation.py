@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 from types import TracebackType
 
+from wct_plugin.adapters import child
 from wct_plugin.batch_job import RECORD, Job, Record, failure
 from wct_plugin.errors import WctError
 
@@ -102,22 +103,33 @@ class ForkServer:
         if self._control is None:
             if not hasattr(os, "fork"):
                 raise WctError(f"a batch needs a system that can fork, which {sys.platform} cannot")
-            self._control, theirs = socket.socketpair()
-            share = {name: str(self._threads) for name in _THREADS}
-            start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
-            start += "; from wct_plugin.batch_server import main; main(int(sys.argv[1]))"
-            with theirs:
-                self._words = tempfile.TemporaryFile()  # noqa: SIM115, closed when the process has ended
-                self._process = subprocess.Popen(
+            self._start()
+        assert self._control is not None
+        return self._control
+
+    def _start(self) -> None:
+        """Start the process that forks; where that cannot be, all is as before, and the next job tries again."""
+        share = {name: str(self._threads) for name in _THREADS}
+        start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
+        start += "; from wct_plugin.batch_server import main; main(int(sys.argv[1]))"
+        with contextlib.ExitStack() as unless_started:
+            try:
+                mine, theirs = map(unless_started.enter_context, socket.socketpair())
+                words = unless_started.enter_context(tempfile.TemporaryFile())
+                process = subprocess.Popen(
                     [sys.executable, "-P", "-c", start, str(theirs.fileno()), json.dumps(sys.path)],
                     pass_fds=[theirs.fileno()],
                     env={**share, **os.environ},
                     stdin=subprocess.DEVNULL,
-                    stdout=self._words,
-                    stderr=self._words,
+                    stdout=words,
+                    stderr=words,
                     start_new_session=True,  # Ctrl-C in the terminal is for us alone
                 )
-        return self._control
+            except OSError as error:
+                raise _LostError(f"no process could be started for the job: {error.strerror or error}") from error
+            unless_started.pop_all()
+        theirs.close()
+        self._control, self._process, self._words = mine, process, words
 
     def _disconnect(self) -> None:
         if self._control is None or self._process is None:
@@ -136,7 +148,7 @@ class ForkServer:
             if self._words.closed:
                 return ""
             self._words.seek(0)
-            return _last_line(self._words.read())
+            return child.last_words(self._words.read().decode(errors="replace"), lines=1)
 
 
 def cores() -> int:
@@ -197,21 +209,16 @@ def _cause(job: Job, verdict: Verdict, attempt: Path) -> str:
         return f"was stopped after {job.timeout:g} s, its timeout"
     if verdict.stopped == "memory" and job.memory:
         return f"was stopped when it used {_mega(verdict.peak_bytes)} MB of memory; its limit is {_mega(job.memory)} MB"
-    words = b""
+    words = ""
     with contextlib.suppress(OSError):
-        words = (attempt / "words").read_bytes()
+        words = (attempt / "words").read_text("utf-8", errors="replace")
+    said = child.last_words(words, lines=1)
     if verdict.signal == signal.SIGKILL:
         return "was killed, most likely because the system ran out of memory"
     if verdict.signal:
-        return f"crashed with {signal.Signals(verdict.signal).name}{_last_line(words)}"
-    return f"ended without a result, exit code {verdict.exit_code}{_last_line(words)}"
+        return f"crashed with {signal.Signals(verdict.signal).name}{said}"
+    return f"ended without a result, exit code {verdict.exit_code}{said}"
 
 
 def _mega(size: int) -> int:
     return round(size / (1 << 20))
-
-
-def _last_line(words: bytes) -> str:
-    lines = [" ".join(line.split()) for line in words.decode(errors="replace").splitlines()]
-    said = [line for line in lines if line][-1:]
-    return f"; it last said: {said[0][-300:]}" if said else ""

@@ -151,7 +151,10 @@ def _output_name(source: Path, volume: bool, suffix: str | None) -> str:
     own = formats.to_read(source)
     if suffix is None:
         suffix = source.suffix if (own.volume if volume else own.surface) else _OTHERWISE
-    name = source.with_suffix(f".{suffix.removeprefix('.')}").name
+    try:
+        name = source.with_suffix(f".{suffix.removeprefix('.')}").name
+    except ValueError as error:
+        raise OptionError(f"suffix {suffix!r} cannot end a file's name; allowed is one such as vtu") from error
     formats.to_write(Path(name), volume=volume)
     return name
 

@@ -37,6 +37,10 @@ def _surface(source: str) -> SurfaceMesh:
 def _meets(report: Report, goal: str | None) -> bool:
     if report.certificate:
         return report.certificate.valid if goal is None else report.certificate.meets(goal)
+    if goal == "delaunay":
+        return report.tiers.delaunay
+    if goal == "one-sided":
+        return report.negative_duals.none
     return goal is None or report.flags[goal] == report.tets
 
 
@@ -51,7 +55,11 @@ def _meets(report: Report, goal: str | None) -> bool:
     help="Write one self-contained HTML page with pictures",
 )
 @click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
-@click.option("--goal", type=click.Choice(["3wc", "cwc"]), help="Exit with 1 unless every tet of every FILE meets it")
+@click.option(
+    "--goal",
+    type=click.Choice(["delaunay", "one-sided", "3wc", "cwc"]),
+    help="Exit with 1 unless every FILE meets it; one-sided: all signed duals positive",
+)
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
 @click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
 @click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of reports and end")
@@ -71,6 +79,8 @@ def report(
         return GOAL_MET
     if not sources:
         raise click.UsageError("Missing argument 'FILE...'.")
+    if exact and goal == "one-sided":
+        raise click.UsageError("--exact proves no dual area: --goal one-sided goes without it, delaunay or 3wc with it")
     check_outputs(json_path, html_path)
     if html_path:
         report_page.check_available()

@@ -25,6 +25,7 @@ from wct_plugin.quality import Quality
 from wct_plugin.topology import OPPOSITE_EDGES
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 #: Names of the tiers, each implying those before it; :attr:`Tiers.reached` is an index into them.
 TIERS = ("valid", "Delaunay", "one-sided", "3WC", "CWC")
@@ -174,10 +175,40 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     lengths, errors = dual_lengths(mesh)
     if (lengths > errors).all():
         return Tiers(True, True, False, False)
+    return Tiers(not _encroached(mesh, lengths, errors).any(), False, False, False)
+
+
+def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
+    """(m,) the tets that keep a mesh from being Delaunay, as :func:`tiers` has it, or from duals that are all positive.
+
+    The latter is more than one-sided at the boundary: dual areas and volumes count, too. They are those at a facet, an
+    edge or a vertex whose dual length, area or volume is not as it should be, beyond rounding.
+    """
+    pairs, topology = mesh.topology.interior_pairs, mesh.topology
+    missing = np.zeros(len(mesh.tets), dtype=bool)
+    if not one_sided:
+        if not tiers(mesh, of).delaunay:
+            missing[pairs[_encroached(mesh, *dual_lengths(mesh))][:, ::2]] = True
+        return missing
+    if of.completely_well_centered.all():
+        return missing
+    dual = duals(mesh)
+    at_facet, at_edge, at_vertex = (
+        ~(dual.lengths > dual.errors),
+        ~(dual.areas > dual.area_errors),
+        ~(dual.volumes > dual.volume_errors),
+    )
+    missing |= at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
+    return missing | at_vertex[mesh.tets].any(axis=1)
+
+
+def _encroached(mesh: TetMesh, lengths: Floats, errors: Floats) -> Bools:
+    """Per interior facet whether a vertex beyond it lies inside the sphere of the tet before it, ties left out."""
     pairs = mesh.topology.interior_pairs
     radii = quality.circumradii(mesh.points, mesh.tets)
     slack = COSPHERICAL * (radii[pairs[:, 0]] + radii[pairs[:, 2]]) / 2.0 + errors[: len(pairs)]
-    return Tiers(bool((lengths[: len(pairs)] >= -slack).all()), False, False, False)
+    inside: Bools = ~(lengths[: len(pairs)] >= -slack)
+    return inside
 
 
 def _summed(places: NDArray[np.int64], values: Floats, count: int) -> Floats:

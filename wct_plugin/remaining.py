@@ -6,6 +6,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.goals import DUAL, Dual, misses
 from wct_plugin.mesh import TetMesh
 from wct_plugin.quality import Quality
 from wct_plugin.reasons import RECONNECT, Boundary, Connectivity, Goal, Reason, reasons
@@ -17,6 +18,8 @@ Ints = NDArray[np.int64]
 
 #: Class of a tet, by the highest stratum among its vertices.
 CLASSES = ("interior", "patch", "crease", "corner")
+#: What tets miss where the goal is one of the whole mesh.
+_TIER = {"delaunay": "Delaunay", "one-sided": "one-sided"}
 #: A patch that bends by less than this at a vertex, in degrees, is flat there.
 _FLAT = 0.1
 #: A crease is slight if it bends by at most this much more than the angle that makes it one, in degrees.
@@ -30,7 +33,7 @@ class RemainingTet(TypedDict):
 
     tet: int
     place: str  #: one of :data:`CLASSES`
-    misses: str  #: "3WC", "2WC" or "3WC, 2WC"
+    misses: str  #: "3WC", "2WC" or "3WC, 2WC"; "Delaunay" or "one-sided" where that is the goal
     min_height: float  #: smallest h/R
     max_face_angle: float  #: in degrees
     centroid: list[float]
@@ -62,40 +65,43 @@ def remaining(
     of: Strata,
     measured: Quality,
     *,
-    goal: Goal,
+    goal: Goal | Dual,
     boundary: Boundary,
     crease_angle: float,
     stopped: bool,
     connectivity: Connectivity = "free",
 ) -> Remaining:
     """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine."""
-    acute = goal == "cwc"
-    bad = np.flatnonzero(~(measured.completely_well_centered if acute else measured.well_centered_3))
+    acute, dual = goal == "cwc", goal in DUAL
+    bad = np.flatnonzero(misses(mesh, measured, goal))
     clearance = measured.min_height[bad]
     if acute:
         clearance = np.minimum(clearance, np.cos(np.radians(measured.max_face_angle[bad])))
     bad = bad[np.argsort(np.nan_to_num(clearance, nan=-np.inf), kind="stable")]
     place = of.stratum[mesh.tets[bad]].max(axis=1, initial=0)
-    why = reasons(mesh, of, bad, goal=goal, boundary=boundary, connectivity=connectivity) if len(bad) else []
+    why = []
+    if len(bad) and goal != "delaunay" and goal != "one-sided":
+        why = reasons(mesh, of, bad, goal=goal, boundary=boundary, connectivity=connectivity)
     proofs: dict[int, Reason] = {}
     for reason in why:
         for tet in reason.tets:
             proofs.setdefault(tet, reason)
-    advice = _Advice(mesh, of, boundary, crease_angle, connectivity)
+    advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
     tets: list[RemainingTet] = []
     for tet, stratum in zip(bad.tolist(), place.tolist(), strict=True):
         holds_3, holds_2 = bool(measured.well_centered_3[tet]), bool(measured.well_centered_2[tet])
+        missed = [name for name, held in (("3WC", holds_3), ("2WC", holds_2)) if not held]
         proof = proofs.get(tet)
         option = proof.frees if proof else "more time: it was stopped" if stopped else advice.option(tet, stratum)
         tets.append(
             {
                 "tet": tet,
                 "place": CLASSES[stratum],
-                "misses": ", ".join(name for name, held in (("3WC", holds_3), ("2WC", holds_2)) if not held),
+                "misses": _TIER[goal] if dual else ", ".join(missed),
                 "min_height": float(measured.min_height[tet]),
                 "max_face_angle": float(measured.max_face_angle[tet]),
                 "centroid": mesh.points[mesh.tets[tet]].mean(axis=0).tolist(),
-                "option": option + (", or goal=3wc" if holds_3 else ""),
+                "option": option + (", or goal=3wc" if holds_3 and not dual else ""),
                 "proof": str(proof) if proof else "",
             }
         )
@@ -123,10 +129,17 @@ class _Advice:
     """Which option takes away what holds a tet, from its class and the shape of the surface at its vertices."""
 
     def __init__(
-        self, mesh: TetMesh, of: Strata, boundary: Boundary, crease_angle: float, connectivity: Connectivity
+        self,
+        mesh: TetMesh,
+        of: Strata,
+        boundary: Boundary,
+        crease_angle: float,
+        connectivity: Connectivity,
+        *,
+        dual: bool,
     ) -> None:
         self._mesh, self._of, self._boundary, self._crease_angle = mesh, of, boundary, crease_angle
-        self._connectivity = connectivity
+        self._connectivity, self._dual = connectivity, dual
         edges, bend, smooth = bends(mesh.points, of.triangles, of.patch)
         count = len(mesh.points)
         self._patch_bend = np.zeros(count)
@@ -144,6 +157,8 @@ class _Advice:
             return slide + RECONNECT
         if stratum == 0:
             return "a larger effort"
+        if self._dual:  # the surface's vertices stay in any case, so keep and move are the same
+            return "boundary=keep or move" if self._boundary == "fixed" else "a larger tolerance, or a larger effort"
         if self._boundary != "move":
             return "boundary=move" if self._boundary == "keep" else "boundary=keep or move"
         vertices = self._mesh.tets[tet]

@@ -13,23 +13,18 @@ import numpy as np
 from wct_plugin import quality
 from wct_plugin.errors import OptionError
 from wct_plugin.flow import Flow, size
+from wct_plugin.goals import DUAL, FLAGS, misses
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.stage import Mesh, Metrics, Options, Stage, did_you_mean
 
 #: Whose versions change a result.
 _PACKAGES = ("wct_plugin", "numpy", "scipy", "meshio", "pytetwild", "pymeshlab")
-_FLAGS = {
-    "3wc": "well_centered_3",
-    "2wc": "well_centered_2",
-    "cwc": "completely_well_centered",
-    "acute": "acute",
-}
 
 
 def goal_of(stage: Stage[Options]) -> str | None:
-    """What a stage with an option ``goal`` aims at, if that is one of the flags of a tet."""
+    """What a stage with an option ``goal`` aims at, if that is a goal of a tet mesh."""
     goal = getattr(stage.options, "goal", None)
-    return goal if goal in _FLAGS else None
+    return goal if goal in (*FLAGS, *DUAL) else None
 
 
 @dataclass(frozen=True)
@@ -70,8 +65,8 @@ class StageResult:
         goal, mesh = goal_of(self.stage), self.flow.mesh
         if goal is None or not isinstance(mesh, TetMesh):
             return None
-        good = getattr(quality.measure(mesh), _FLAGS[goal])
-        return Goal(self.stage.type(), goal, len(good), int((~good).sum()))
+        missing = misses(mesh, quality.measure(mesh), goal)
+        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """What the local search starts from where the boundary stays: the mesh itself, or its inside filled anew."""
 
 from collections.abc import Callable
-from typing import Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import Reference
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin._core import RefilledArrays
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -56,12 +59,11 @@ def refill(
 
     ``sides`` as of :class:`Reference`, the others as of :func:`wct_plugin._core.refill`.
     """
-    pinned = np.flatnonzero(start["stratum"] > 0)
     found = _core.refill(
         start["points"],
         start["tets"],
         start["regions"],
-        pinned,
+        np.flatnonzero(start["stratum"] > 0),
         start["facets"],
         start["facet_patch"],
         sides,
@@ -71,8 +73,39 @@ def refill(
         seed=seed,
         progress=progress,
     )
+    return _filled(start, found)
+
+
+def conform_inside(
+    start: Start, sides: Ints, *, one_sided: bool, effort: int, seed: int, progress: Callable[[float, int], Any]
+) -> Start | None:
+    """A pinned start made Delaunay or one-sided between its surface facets, or None where these leave no choice.
+
+    Arguments as of :func:`refill` and :func:`wct_plugin._core.conform_inside`.
+    """
+    found = _core.conform_inside(
+        start["points"],
+        start["tets"],
+        start["regions"],
+        np.flatnonzero(start["stratum"] > 0),
+        start["facets"],
+        start["facet_patch"],
+        sides,
+        start["creases"],
+        start["size"],
+        one_sided=one_sided,
+        effort=effort,
+        seed=seed,
+        progress=progress,
+    )
+    return _filled(start, found)
+
+
+def _filled(start: Start, found: "RefilledArrays") -> Start | None:
+    """The start whose inside is what was found; None where nothing was."""
     if not len(found["tets"]):
         return None
+    pinned = np.flatnonzero(start["stratum"] > 0)
     origin = found["origin"]
     old = origin >= 0
     place = np.full(len(start["points"]), -1)

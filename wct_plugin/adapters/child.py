@@ -89,9 +89,9 @@ def run(
             raise
     output = said.decode(errors="replace")
     if child.returncode < 0:
-        raise ChildError(f"{who} crashed with {signal.Signals(-child.returncode).name}{_tail(output)}", output)
+        raise ChildError(f"{who} crashed with {signal.Signals(-child.returncode).name}{last_words(output)}", output)
     if child.returncode:
-        raise ChildError(f"{who} failed with exit code {child.returncode}{_tail(output)}", output)
+        raise ChildError(f"{who} failed with exit code {child.returncode}{last_words(output)}", output)
     return output
 
 
@@ -126,7 +126,8 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     child.wait()
 
 
-def _tail(output: str) -> str:
-    lines = [" ".join(line.split()) for line in output.splitlines()]
-    said = " | ".join([line for line in lines if line][-2:])
+def last_words(output: str, lines: int = 2) -> str:
+    """The last lines that are not empty, as the end of a message; nothing if there are none."""
+    printed = [" ".join(line.split()) for line in output.splitlines()]
+    said = " | ".join([line for line in printed if line][-lines:])
     return f"; it last said: {said[-300:]}" if said else ""

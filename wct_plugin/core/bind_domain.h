@@ -38,4 +38,15 @@ inline SurfaceData surface_of(std::vector<Vec3> points, const Array &triangles, 
     return surface;
 }
 
+/// A surface that is one patch.
+inline SurfaceData plain_surface(const Array &points, const char *points_name, const Array &triangles,
+                                 const char *triangles_name) {
+    SurfaceData surface;
+    surface.points = points_of(points, points_name);
+    surface.triangles = cells_of<3>(triangles, surface.points.size(), triangles_name);
+    surface.patch.assign(surface.triangles.size(), 0);
+    surface.sides = {{0, -1}};
+    return surface;
+}
+
 } // namespace wct

@@ -2,6 +2,7 @@
 #include "bind_workers.h"
 #include "bindings.h"
 
+#include "conform_inside.h"
 #include "interior.h"
 
 #include <nanobind/stl/optional.h>
@@ -27,19 +28,31 @@ nb::dict to_python(const Interior &interior) {
     return out;
 }
 
+/// A mesh and what of its surface has to stay.
+struct Pinned {
+    Pinned(const Array &points, const Array &tets, const Array &region, const Array &pinned, const Array &facets,
+           const Array &facet_patch, const Array &sides, const Array &kept)
+        : mesh(mesh_of(points, tets, region)),
+          surface(surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides)),
+          edges(cells_of<2>(kept, mesh.points.size(), "edges")), stay(mesh.points.size(), 0) {
+        for (const int v : numbers_of(pinned, static_cast<std::int64_t>(mesh.points.size()), "pinned"))
+            stay[v] = 1;
+        if (surface.triangles.empty() || mesh.tets.empty())
+            throw std::invalid_argument("facets and tets are needed");
+    }
+
+    InputMesh mesh;
+    SurfaceData surface;
+    std::vector<Edge> edges;
+    std::vector<char> stay;
+};
+
 nb::dict refill_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
                        const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
                        const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress,
                        unsigned threads) {
-    const InputMesh mesh = mesh_of(points, tets, region);
-    SurfaceData surface = surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides);
-    const auto held = cells_of<2>(edges, mesh.points.size(), "edges");
-    std::vector<char> stay(mesh.points.size(), 0);
-    for (const int v : numbers_of(pinned, static_cast<std::int64_t>(mesh.points.size()), "pinned"))
-        stay[v] = 1;
-    if (surface.triangles.empty() || mesh.tets.empty())
-        throw std::invalid_argument("facets and tets are needed");
-    const std::vector<double> wanted = wanted_of(size, mesh);
+    const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
+    const std::vector<double> wanted = wanted_of(size, given.mesh);
     InteriorForm form;
     form.cosines = cosines;
     form.seed = seed;
@@ -53,8 +66,28 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
-        const Reference reference(std::move(surface));
-        interior = refill(reference, mesh, stay, held, wanted, form, monitor, workers_of(threads));
+        interior = refill(Reference(given.surface), given.mesh, given.stay, given.edges, wanted, form, monitor,
+                          workers_of(threads));
+    }
+    return to_python(interior);
+}
+
+nb::dict conform_inside_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
+                               const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
+                               const Array &size, bool one_sided, int effort, std::uint64_t seed,
+                               const nb::object &progress) {
+    const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
+    const std::vector<double> sizes = sizes_of(size, given.mesh.points.size(), "size");
+    ConformForm form;
+    form.one_sided = one_sided;
+    form.effort = effort;
+    form.seed = seed;
+    Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
+    Interior interior;
+    {
+        nb::gil_scoped_release release;
+        Monitor monitor(listener);
+        interior = conform_inside(Reference(given.surface), given.mesh, given.stay, given.edges, sizes, form, monitor);
     }
     return to_python(interior);
 }
@@ -73,6 +106,12 @@ void bind_interior(nb::module_ &m) {
         "to stop.\n\n"
         "Returns a dict: points, origin (the input's point, -1 for a new one), size (edge length wanted), tets,\n"
         "regions, stopped. No tets where the facets leave no choice, or where it was stopped early.");
+    m.def("conform_inside", &conform_inside_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"),
+          nb::arg("pinned"), nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"),
+          nb::arg("size"), nb::kw_only(), nb::arg("one_sided") = true, nb::arg("effort") = 1, nb::arg("seed") = 1,
+          nb::arg("progress") = nb::none(),
+          "Make a mesh Delaunay, and one-sided, between its surface facets, which stay: arguments and result as of\n"
+          "refill; size: edge length per point.");
 }
 
 } // namespace wct

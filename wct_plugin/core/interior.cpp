@@ -13,56 +13,6 @@ namespace wct {
 
 namespace {
 
-/// Puts pinned points back, new ones out of the protecting balls, and drops those of them that find no place.
-class Keeper {
-  public:
-    Keeper(const PinnedFacets &facets, const InputMesh &mesh)
-        : facets_(facets), mesh_(mesh), first_(facets.points().size()) {}
-
-    void clear(Cloud &cloud) const {
-        constexpr double least = 0.35; // distance of new points, in sizes
-        std::vector<char> keep(cloud.count(), 1);
-        PointGrid grid;
-        for (std::size_t i = 0; i < cloud.count(); ++i) {
-            const double radius = least * cloud.size[i];
-            if (i < first_)
-                cloud.points[i] = mesh_.points[facets_.points()[i]]; // the descent rounds
-            else
-                keep[i] = facets_.clear(cloud.points[i]) && !grid.crowded(cloud.points[i], radius);
-            if (keep[i])
-                grid.add(cloud.points[i], radius);
-        }
-        cloud.keep(keep);
-    }
-
-    /// The tets of the points, which are cleared; points that lie outside are dropped. False if a facet is missing.
-    bool triangulate(Cloud &cloud, Complex &complex) const {
-        for (bool again = true; again;) {
-            complex.all = delaunay(cloud.points);
-            if (!facets_.label(complex, cloud.points))
-                return false;
-            std::vector<char> keep(cloud.count(), 0);
-            std::fill_n(keep.begin(), first_, 1);
-            for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-                if (complex.region[t] >= 0)
-                    for (const int v : complex.all.tets[t]) {
-                        keep[v] = 1;
-                        if (cloud.role[v] == Stratum::interior)
-                            cloud.label[v] = complex.region[t];
-                    }
-            again = std::find(keep.begin(), keep.end(), 0) != keep.end();
-            if (again)
-                cloud.keep(keep);
-        }
-        return true;
-    }
-
-  private:
-    const PinnedFacets &facets_;
-    const InputMesh &mesh_;
-    std::size_t first_;
-};
-
 /// The pinned points and a lattice between them.
 Cloud seeds(const PinnedFacets &facets, const Reference &reference, const InputMesh &mesh, const RegionMap &map,
             const Sizing &sizing, const SeedForm &form, Random &random) {
@@ -79,55 +29,16 @@ Cloud seeds(const PinnedFacets &facets, const Reference &reference, const InputM
     return cloud;
 }
 
-bool coincide(std::vector<Vec3> points) {
-    const auto key = [](const Vec3 &p) { return std::tie(p.x, p.y, p.z); };
-    std::sort(points.begin(), points.end(), [&](const Vec3 &p, const Vec3 &q) { return key(p) < key(q); });
-    return std::adjacent_find(points.begin(), points.end()) != points.end();
-}
-
 std::size_t tets_of(const Complex &complex) {
     return static_cast<std::size_t>(
         std::count_if(complex.region.begin(), complex.region.end(), [](int region) { return region >= 0; }));
 }
 
-/// The new tets and those kept.
-Interior merged(const Cloud &cloud, const Complex &complex, const PinnedFacets &facets, const InputMesh &mesh,
-                const Sizing &sizing) {
-    Interior out;
-    std::vector<int> place(mesh.points.size(), -1);
-    const auto add = [&](const Vec3 &p, int origin, double size) {
-        if (origin >= 0)
-            place[origin] = static_cast<int>(out.points.size());
-        out.points.push_back(p);
-        out.origin.push_back(origin);
-        out.size.push_back(size);
-    };
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        add(cloud.points[i], cloud.role[i] == Stratum::interior ? -1 : cloud.label[i], cloud.size[i]);
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-        if (complex.region[t] >= 0) {
-            out.tets.push_back(complex.all.tets[t]);
-            out.region.push_back(complex.region[t]);
-        }
-    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-        if (!facets.keeps(static_cast<int>(t)))
-            continue;
-        Tet tet = mesh.tets[t];
-        for (int &v : tet) {
-            if (place[v] < 0)
-                add(mesh.points[v], v, sizing.at(mesh.points[v]));
-            v = place[v];
-        }
-        out.tets.push_back(tet);
-        out.region.push_back(mesh.region[t]);
-    }
-    return out;
-}
-
 /// Empty where not all facets come out.
 Interior fill(const PinnedFacets &facets, const Reference &reference, const InputMesh &mesh, const RegionMap &map,
               std::span<const double> wanted, const InteriorForm &form, Monitor &monitor, const Workers &workers) {
-    const Keeper keeper(facets, mesh);
+    constexpr double apart = 0.35; // distance of new points, in sizes
+    const Keeper keeper(facets, mesh, apart);
     Random random(form.seed);
     Cloud cloud;
     Complex complex;
@@ -170,7 +81,10 @@ Interior fill(const PinnedFacets &facets, const Reference &reference, const Inpu
         const Tally tally = count_bad(cloud, complex, form.cosines);
         if (best.tets.empty() || tally.bad < least) {
             least = tally.bad;
-            best = merged(cloud, complex, facets, mesh, *sizing);
+            std::vector<double> size;
+            for (const Vec3 &p : mesh.points)
+                size.push_back(sizing->at(p));
+            best = merged(cloud, complex, facets, mesh, size);
             since = 0;
         } else {
             ++since;

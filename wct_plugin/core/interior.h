@@ -3,7 +3,7 @@
 #include "cells.h"
 #include "energy.h"
 #include "monitor.h"
-#include "pinned_facets.h"
+#include "pinned_filling.h"
 #include "reference.h"
 #include "region_map.h"
 #include "seeds.h"
@@ -29,16 +29,6 @@ struct InteriorForm {
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes
     static constexpr EnergyForm energy{0.12, 2.5, 0.08, 2.5, 1.0, 0.003};
-};
-
-/// A mesh between pinned facets.
-struct Interior {
-    std::vector<Vec3> points;
-    std::vector<int> origin; // per point: the input's, -1 for new ones
-    std::vector<double> size;
-    std::vector<Tet> tets;
-    std::vector<int> region;
-    bool stopped = false;
 };
 
 /// Fill a mesh anew between the surface facets, which stay as they are: see PinnedFacets. Inside, a relaxed lattice

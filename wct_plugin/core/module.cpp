@@ -188,6 +188,7 @@ NB_MODULE(_core, m) {
           "tolerance"_a = std::numeric_limits<double>::infinity(), "progress"_a = nb::none());
     wct::bind_delaunay(m);
     wct::bind_global(m);
+    wct::bind_conform(m);
     wct::bind_interior(m);
     wct::bind_search(m);
 }

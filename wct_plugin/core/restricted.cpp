@@ -40,7 +40,8 @@ bool share_curved_patch(const Cloud &cloud, const Reference &reference, const st
 
 /// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
 /// over, or one is, and the point under it that should be on the surface comes to light.
-void peel(const Cloud &cloud, const Reference &reference, Complex &complex, std::vector<int> candidates) {
+void peel(const Cloud &cloud, const Reference &reference, Complex &complex) {
+    std::vector<int> candidates;
     std::vector<int> open(cloud.count(), 0); // per point: its facets on the boundary
     const auto count = [&](int t, int i, int change) {
         for (const int v : complex.facet(t, i))
@@ -50,10 +51,12 @@ void peel(const Cloud &cloud, const Reference &reference, Complex &complex, std:
         for (int i = 0; i < 4; ++i)
             if (complex.region[t] >= 0 && complex.beyond(t, i) < 0)
                 count(t, i, 1);
-    std::erase_if(candidates, [&](int t) {
-        return flatness(cloud.points, complex.all.tets[t]) >= kSliver ||
-               !share_curved_patch(cloud, reference, complex.all.tets[t]);
-    });
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        if (const auto &tet = complex.all.tets[t];
+            complex.region[t] >= 0 &&
+            std::none_of(tet.begin(), tet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) &&
+            flatness(cloud.points, tet) < kSliver && share_curved_patch(cloud, reference, tet))
+            candidates.push_back(t);
     for (bool again = true; again;) { // tets that were covered may lie open now
         again = false;
         for (int &t : candidates) {
@@ -82,12 +85,11 @@ std::array<int, 3> Complex::facet(int t, int i) const {
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
 
-Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
-                            const Workers &workers) {
+Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                          const Workers &workers) {
     Complex complex{delaunay(cloud.points), {}};
     const auto &tets = complex.all.tets;
     complex.region.resize(tets.size());
-    std::vector<char> rests(tets.size(), 0); // all corners on the surface, and not flat
     workers.for_each(tets.size(), 1024, [&](std::size_t t) {
         int on_surface = 0, inner = -1, near = -1;
         for (const int v : tets[t])
@@ -109,13 +111,14 @@ Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, cons
         for (const int v : tets[t])
             center += 0.25 * cloud.points[v];
         complex.region[t] = map.region(center, reference.nearest(center, -1, near));
-        rests[t] = on_surface == 4 && complex.region[t] >= 0;
     });
-    std::vector<int> resting;
-    for (std::size_t t = 0; t < tets.size(); ++t)
-        if (rests[t])
-            resting.push_back(static_cast<int>(t));
-    peel(cloud, reference, complex, std::move(resting));
+    return complex;
+}
+
+Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
+                            const Workers &workers) {
+    Complex complex = labelled_delaunay(cloud, reference, map, workers);
+    peel(cloud, reference, complex);
     return complex;
 }
 
