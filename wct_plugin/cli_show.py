@@ -179,7 +179,7 @@ def print_before_after(before: Report, after: Report) -> None:
     if left := after.left():
         out.print(table(*left, left=True))
     for line in after.why():
-        out.print(Text(line), soft_wrap=True)
+        out.print(Text(line))
     for note in after.notes:
         out.print(Text(note))
 
