@@ -26,7 +26,7 @@ from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 from wct_plugin.starts import Start
 from wct_plugin.surface import pinched, strata
-from wct_plugin.transfer import Resampled, carry
+from wct_plugin.transfer import carry, resampled
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin._core import SearchedArrays
@@ -155,7 +155,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             if wanted is not None:
                 start["size"] = wanted
         found = self._search(mesh, start, reference, held, listen)
-        better = carry(mesh, own.strata, _resampled(found, reference))
+        better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
         gain = self._bad(mesh, measured) * len(after) - self._bad(better, after) * len(measured)
@@ -332,18 +332,6 @@ def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
     if isinstance(surface, TetMesh):
         raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
     return surface
-
-
-def _resampled(found: "SearchedArrays", on: Reference) -> Resampled:
-    return Resampled(
-        found["points"],
-        found["tets"],
-        on.regions[found["regions"]],
-        found["facets"],
-        on.carried[found["facet_patch"]],
-        found["creases"],
-        found["crease_curve"],
-    )
 
 
 class _Listener:

@@ -6,7 +6,7 @@ from typing import Any
 from wct_plugin import _core, starts
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import Reference
-from wct_plugin.transfer import Resampled
+from wct_plugin.transfer import Resampled, resampled
 
 Listener = Callable[[float, int], Any]
 
@@ -39,15 +39,7 @@ def conform(
     )
     if not found["intact"]:
         return None
-    return Resampled(
-        found["points"],
-        found["tets"],
-        own.regions[found["regions"]],
-        found["facets"],
-        own.carried[found["facet_patch"]],
-        found["creases"],
-        found["crease_curve"],
-    )
+    return resampled(found, own)
 
 
 def conform_inside(

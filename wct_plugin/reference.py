@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wct_plugin import _core
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_strata
+from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_edges, surface_strata
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -91,8 +91,7 @@ def bounds(surface: Reference, own: Reference) -> bool:
     deeper in or farther off than a chord across a bend could explain, a quarter of the mesh's edge, it bounds nothing.
     """
     triangles = surface.strata.triangles
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    if (np.unique(ends, axis=0, return_counts=True)[1] % 2).any():
+    if (surface_edges(triangles, len(surface.points))[3] % 2).any():
         return False
     shell = own.points[own.strata.triangles]
     edge = np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)

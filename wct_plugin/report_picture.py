@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wct_plugin import quality
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import TetMesh
-from wct_plugin.surface import strata
+from wct_plugin.surface import strata, surface_edges
 from wct_plugin.topology import Topology
 
 Floats = NDArray[np.float64]
@@ -178,8 +178,7 @@ class _Sheet:
         facing, _ = self._facing(triangles)
         half = triangles[facing != behind]
         self._polygons(self._seen[half, :2], _BACK if behind else _SKIN, "none", 0.0)
-        ends = np.sort(half[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        rim, times = np.unique(ends, axis=0, return_counts=True)
+        rim, _, _, times, _ = surface_edges(half, len(self._seen))
         self.lines(rim[times == 1])
 
     def lines(self, ends: Ints) -> None:

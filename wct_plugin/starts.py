@@ -60,14 +60,7 @@ def refill(
     ``sides`` as of :class:`Reference`, the others as of :func:`wct_plugin._core.refill`.
     """
     found = _core.refill(
-        start["points"],
-        start["tets"],
-        start["regions"],
-        np.flatnonzero(start["stratum"] > 0),
-        start["facets"],
-        start["facet_patch"],
-        sides,
-        start["creases"],
+        *_between_facets(start, sides),
         size=size,
         cosines=acute,
         seed=seed,
@@ -84,6 +77,19 @@ def conform_inside(
     Arguments as of :func:`refill` and :func:`wct_plugin._core.conform_inside`.
     """
     found = _core.conform_inside(
+        *_between_facets(start, sides),
+        start["size"],
+        one_sided=one_sided,
+        effort=effort,
+        seed=seed,
+        progress=progress,
+    )
+    return _filled(start, found)
+
+
+def _between_facets(start: Start, sides: Ints) -> tuple[Floats, Ints, Ints, Ints, Ints, Ints, Ints, Ints]:
+    """What the core wants to know of a pinned start."""
+    return (
         start["points"],
         start["tets"],
         start["regions"],
@@ -92,13 +98,7 @@ def conform_inside(
         start["facet_patch"],
         sides,
         start["creases"],
-        start["size"],
-        one_sided=one_sided,
-        effort=effort,
-        seed=seed,
-        progress=progress,
     )
-    return _filled(start, found)
 
 
 def _filled(start: Start, found: "RefilledArrays") -> Start | None:

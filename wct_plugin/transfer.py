@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,11 @@ from scipy.spatial import cKDTree
 
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.reference import Reference
 from wct_plugin.surface import Strata
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin._core import ConformedArrays, SearchedArrays
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -28,6 +32,19 @@ class Resampled:
     facet_patch: Ints  #: (k,)
     creases: Ints  #: (c, 2) crease edges
     crease_curve: Ints  #: (c,)
+
+
+def resampled(found: "SearchedArrays | ConformedArrays", on: Reference) -> Resampled:
+    """What the core made of the domain of a reference, in the strata of the mesh that came in."""
+    return Resampled(
+        found["points"],
+        found["tets"],
+        on.regions[found["regions"]],
+        found["facets"],
+        on.carried[found["facet_patch"]],
+        found["creases"],
+        found["crease_curve"],
+    )
 
 
 def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:

@@ -5,8 +5,8 @@ from scipy.optimize import linprog
 
 from cubes.descent import Goal, tetrahedralization
 from cubes.symmetry import Floats, Ints
+from wct_plugin.topology import FACETS
 
-FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 FLAT = 1e-10
 TINY = 1e-30  # complex steps have no cancellation
 

@@ -149,19 +149,9 @@ Interior between(const PinnedFacets &facets, const Reference &reference, const I
 Interior conform_inside(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
                         std::span<const Edge> edges, std::span<const double> size, const ConformForm &form,
                         Monitor &monitor) {
-    if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
-        return {};
-    const RegionMap map(mesh, reference);
-    Interior interior;
-    for (const bool squares : {true, false}) {
-        if (!interior.tets.empty() || monitor.stopped())
-            break;
-        const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges, squares);
-        if (!facets.keeps_all())
-            interior = between(facets, reference, mesh, map, size, form, monitor);
-    }
-    interior.stopped = monitor.stopped();
-    return interior;
+    return fill_between(reference, mesh, pinned, edges, monitor, [&](const PinnedFacets &facets, const RegionMap &map) {
+        return between(facets, reference, mesh, map, size, form, monitor);
+    });
 }
 
 } // namespace wct

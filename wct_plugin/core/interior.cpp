@@ -106,19 +106,9 @@ Interior fill(const PinnedFacets &facets, const Reference &reference, const Inpu
 Interior refill(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
                 std::span<const Edge> edges, std::span<const double> wanted, const InteriorForm &form, Monitor &monitor,
                 const Workers &workers) {
-    if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
-        return {};
-    const RegionMap map(mesh, reference);
-    Interior interior;
-    for (const bool squares : {true, false}) {
-        if (!interior.tets.empty() || monitor.stopped())
-            break;
-        const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges, squares);
-        if (!facets.keeps_all())
-            interior = fill(facets, reference, mesh, map, wanted, form, monitor, workers);
-    }
-    interior.stopped = monitor.stopped();
-    return interior;
+    return fill_between(reference, mesh, pinned, edges, monitor, [&](const PinnedFacets &facets, const RegionMap &map) {
+        return fill(facets, reference, mesh, map, wanted, form, monitor, workers);
+    });
 }
 
 } // namespace wct

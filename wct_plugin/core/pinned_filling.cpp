@@ -5,6 +5,17 @@
 
 namespace wct {
 
+namespace {
+
+/// Do any of the points have the same place?
+bool coincide(std::vector<Vec3> points) {
+    const auto key = [](const Vec3 &p) { return std::tie(p.x, p.y, p.z); };
+    std::sort(points.begin(), points.end(), [&](const Vec3 &p, const Vec3 &q) { return key(p) < key(q); });
+    return std::adjacent_find(points.begin(), points.end()) != points.end();
+}
+
+} // namespace
+
 void Keeper::clear(Cloud &cloud) const {
     std::vector<char> keep(cloud.count(), 1);
     PointGrid grid;
@@ -74,10 +85,22 @@ Interior merged(const Cloud &cloud, const Complex &complex, const PinnedFacets &
     return out;
 }
 
-bool coincide(std::vector<Vec3> points) {
-    const auto key = [](const Vec3 &p) { return std::tie(p.x, p.y, p.z); };
-    std::sort(points.begin(), points.end(), [&](const Vec3 &p, const Vec3 &q) { return key(p) < key(q); });
-    return std::adjacent_find(points.begin(), points.end()) != points.end();
+Interior fill_between(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
+                      std::span<const Edge> edges, Monitor &monitor,
+                      const std::function<Interior(const PinnedFacets &, const RegionMap &)> &fill) {
+    if (coincide(mesh.points)) // as where sheets touch: no triangulation tells them apart
+        return {};
+    const RegionMap map(mesh, reference);
+    Interior interior;
+    for (const bool squares : {true, false}) {
+        if (!interior.tets.empty() || monitor.stopped())
+            break;
+        const PinnedFacets facets(mesh, reference.data().triangles, pinned, edges, squares);
+        if (!facets.keeps_all())
+            interior = fill(facets, map);
+    }
+    interior.stopped = monitor.stopped();
+    return interior;
 }
 
 } // namespace wct

@@ -2,11 +2,13 @@
 
 #include "cells.h"
 #include "cloud.h"
+#include "monitor.h"
 #include "pinned_facets.h"
 #include "region_map.h"
 #include "restricted.h"
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -44,7 +46,10 @@ class Keeper {
 Interior merged(const Cloud &cloud, const Complex &complex, const PinnedFacets &facets, const InputMesh &mesh,
                 std::span<const double> size);
 
-/// Do any of the points have the same place?
-bool coincide(std::vector<Vec3> points);
+/// What `fill` makes between the pinned facets: with squares, and without them where that gives nothing. Empty where
+/// points share a place or all tets are kept.
+Interior fill_between(const Reference &reference, const InputMesh &mesh, const std::vector<char> &pinned,
+                      std::span<const Edge> edges, Monitor &monitor,
+                      const std::function<Interior(const PinnedFacets &, const RegionMap &)> &fill);
 
 } // namespace wct
