@@ -40,10 +40,11 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
 
     The mesh stays as it is. With a power distance |x - x_i|^2 - w_i in the place of the distance, the dual is still
     orthogonal to the mesh, and positive where every tet contains its orthocenter, also where it does not contain its
-    circumcenter; it is not well-centered for that. Weights come from sparse linear programmes, which reach as many tets
-    as they can, then widen the margin. Point data: ``power_weight`` (length squared, the smallest 0) and
-    ``weighted_dual_volume``. Cell data: ``orthocenter_margin``, its smallest height over a facet in the tet's root mean
-    square edge length (positive: contained), and ``min_weighted_dual_length``. ``duals.duals(mesh, weights)`` has all.
+    circumcenter; it is not well-centered for that. Weights come from descent over the whole mesh and, where that leaves
+    tets without or with a small margin, sparse linear programmes around them. Point data: ``power_weight`` (length
+    squared, the smallest 0) and ``weighted_dual_volume``. Cell data: ``orthocenter_margin``, its smallest height over a
+    facet in the tet's root mean square edge length (positive: contained), and ``min_weighted_dual_length``.
+    ``duals.duals(mesh, weights)`` has all.
     Where a tet goes without, it is often because no weights exist: ``contradictions`` in the metrics names groups of
     tets, each proven in exact arithmetic to hold one at least that no weights can help together with the others.
     Refused are meshes with two points in one place and those whose boundary is no manifold.

@@ -43,7 +43,7 @@ def relax(rows: Rows, weights: Floats) -> Iterator[Floats]:
     Minimised is the sum over tets of s / (1 + s / forgiven^2), with s the sum of squares of what its rows lack to the
     aim (Geman and McClure's estimator). It counts what misses by little in full and what misses by far once, so that
     what cannot be met is left to few tets; ``forgiven`` falls by stages, from where the function is convex (Blake and
-    Zisserman, *Visual Reconstruction*, 1987).
+    Zisserman, *Visual Reconstruction*, 1987). What dual lengths lack counts in full, by its square.
     """
     for aim, forgiven, steps in STAGES:
 
@@ -51,7 +51,9 @@ def relax(rows: Rows, weights: Floats) -> Iterator[Floats]:
             lack = np.maximum(aim - values, 0.0).reshape(-1, 4)
             squares = np.einsum("mf,mf->m", lack, lack)
             share = 1.0 / (1.0 + squares / forgiven**2)
-            return 0.5 * float((squares * share).sum()), -(lack * share[:, None] ** 2).ravel()
+            short = np.maximum(aim - rows.duals @ values, 0.0)
+            slope = (lack * share[:, None] ** 2).ravel() + rows.duals.T @ short
+            return 0.5 * float((squares * share).sum() + (short**2).sum()), -slope
 
         lack = np.maximum(aim - lowest(rows.at(weights)), 0.0)
         steepness = np.repeat((1.0 + (lack / forgiven) ** 2) ** -2, 4)
@@ -62,9 +64,9 @@ def relax(rows: Rows, weights: Floats) -> Iterator[Floats]:
 def widen(rows: Rows, weights: Floats, aim: float) -> Iterator[Floats]:
     """Weights that keep the tets that contain their orthocenter and give them more margin, one array per round.
 
-    Minimised is the sum of squares of what their rows lack to the ``aim``, with a price on rows near zero. Where a tet
-    would fall below the clearance all the same, or one that misses would get worse, its vertices go only a part of
-    the way, and its rows are dearer in the next round.
+    Minimised is the sum of squares of what their rows lack to the ``aim``, with a price on rows and dual lengths near
+    zero. Where a tet would fall below the clearance all the same, or one that misses would get worse, its vertices go
+    only a part of the way, and its rows are dearer in the next round.
     """
     price = np.full(len(rows.constant), _PRICE)
     for _ in range(ROUNDS):
@@ -73,9 +75,15 @@ def widen(rows: Rows, weights: Floats, aim: float) -> Iterator[Floats]:
         goal = np.where(kept, aim, -np.inf)
         dear = np.minimum(before, np.where(kept, _DEAR, CLEARANCE))
 
-        def regret(values: Floats, goal: Floats = goal, dear: Floats = dear) -> tuple[float, Floats]:
+        lengths = np.minimum(rows.duals @ before, _DEAR)
+
+        def regret(
+            values: Floats, goal: Floats = goal, dear: Floats = dear, lengths: Floats = lengths
+        ) -> tuple[float, Floats]:
             lack, missed = np.maximum(goal - values, 0.0), np.maximum(dear - values, 0.0)
-            return 0.5 * float((lack**2 + price * missed**2).sum()), -(lack + price * missed)
+            worse = np.maximum(lengths - rows.duals @ values, 0.0)
+            value = 0.5 * float((lack**2 + price * missed**2).sum() + _PRICE * (worse**2).sum())
+            return value, -(lack + price * missed + _PRICE * (rows.duals.T @ worse))
 
         step = _descend(rows, weights, regret, np.where(before < aim, 1.0, 0.1), _STEPS) - weights
         floors = np.where(contained(before), np.minimum(lowest(before), CLEARANCE), np.minimum(lowest(before), 0.0))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from wct_plugin import power, quality
 from wct_plugin.mesh import TetMesh
@@ -30,8 +30,11 @@ class Rows:
     tets: Ints  #: (m, 4)
     constant: Floats  #: (4m,)
     matrix: csr_array  #: (4m, n)
+    #: (p, 4m) the dual length of each interior facet is a sum of two rows, here over the mean local length of its tets
+    duals: csr_array
     unit: float  #: the weights are in multiples of it, which keeps the coefficients near 1
     around: csr_array  #: (n, m) the tets at each vertex
+    facets: csr_array  #: (4m, p) the interior facet of each row
 
     def at(self, weights: Floats) -> Floats:
         """(4m,) the rows."""
@@ -46,6 +49,12 @@ class Rows:
             vertices = np.unique(self.tets[cells])
             cells = self._at_vertices(vertices)
         return np.sort(vertices), cells
+
+    def part(self, at: Ints, free: Ints) -> tuple[csr_array, csr_array]:
+        """By the weights ``free``: the rows ``at``, then the dual lengths they are in; these also by all rows."""
+        duals = self.duals[np.unique(self.facets[at].indices)]
+        part = self.matrix[at][:, free]
+        return vstack([part, duals[:, at] @ part]).tocsr(), duals
 
     def _at_vertices(self, vertices: Ints) -> Ints:
         return np.unique(self.around[vertices].indices.astype(np.int64))
@@ -89,4 +98,10 @@ def make_rows(mesh: TetMesh) -> Rows:
     matrix = csr_array((slopes.ravel(), columns, starts), shape=(4 * count, len(mesh.points)))
     corners = (np.ones(4 * count, dtype=bool), mesh.tets.ravel(), np.arange(0, 4 * count + 1, 4))
     around = csr_array(corners, shape=(count, len(mesh.points))).T.tocsr()
-    return Rows(mesh.tets, heights.ravel(), matrix, unit, around)
+    pairs = mesh.topology.interior_pairs
+    sides = pairs[:, [0, 2]] * 4 + pairs[:, [1, 3]]
+    shares = length[pairs[:, [0, 2]]]
+    shares /= shares.mean(axis=1, keepdims=True)
+    starts = np.arange(0, 2 * len(pairs) + 1, 2)
+    duals = csr_array((shares.ravel(), sides.ravel(), starts), shape=(len(pairs), 4 * count))
+    return Rows(mesh.tets, heights.ravel(), matrix, duals, unit, around, duals.T.tocsr())

@@ -95,7 +95,7 @@ def _mend(rows: Rows, weights: Floats) -> Iterator[Floats]:
     A cost per tet, not per row, that is the inverse of what it missed by in the programme before, leads to few misses
     (Candes, Wakin and Boyd, *Enhancing sparsity by reweighted l1 minimization*, 2008). The tet in the middle has the
     full cost at first, those that miss around it little: where only one of them can be helped, it is no matter which,
-    but often helping the one is what it takes to help two.
+    but often helping the one is what it takes to help two. Dual lengths have the full cost.
     """
     weights, values = weights.copy(), rows.at(weights)
     margins = lowest(values)
@@ -106,16 +106,20 @@ def _mend(rows: Rows, weights: Floats) -> Iterator[Floats]:
         free, cells = rows.near(tet, _RINGS)
         at = rows_of(cells)
         here = values[at]
-        part = rows.matrix[at][:, free]
+        part, duals = rows.part(at, free)
+        lengths = duals @ values
         fewest = int((~contained(here)).sum())
         missed = np.maximum(CLEARANCE - lowest(here), 0.0)
         missed[cells == tet] = 0.0
         for _ in range(_TRIALS):
-            step = _fewest_misses(part, CLEARANCE - here, np.repeat(_NEAR / (_NEAR + missed), 4))
-            reached = here + part @ step
+            cost = np.append(np.repeat(_NEAR / (_NEAR + missed), 4), np.ones(len(lengths)))
+            step = _fewest_misses(part, CLEARANCE - np.append(here, lengths), cost)
+            change = part @ step
+            reached = here + change[: len(at)]
             count = int((~contained(reached)).sum())
             if count < fewest:
                 fewest, here = count, reached
+                lengths = lengths + change[len(at) :]
                 weights[free] += step
             missed = np.maximum(CLEARANCE - lowest(reached), 0.0)
         values[at] = here
@@ -125,8 +129,8 @@ def _mend(rows: Rows, weights: Floats) -> Iterator[Floats]:
 def _lift(rows: Rows, weights: Floats, aim: float) -> Iterator[Floats]:
     """Weights with larger margins, from programmes around the tet with the smallest that is not settled, in turn.
 
-    No row falls below the margin of the tet in the middle, or farther below it. Where that tet gains little, the next
-    programme around it reaches a ring farther, up to the last, which settles it.
+    No row or dual length falls below the margin of the tet in the middle, or farther below it. Where that tet gains
+    little, the next programme around it reaches a ring farther, up to the last, which settles it.
     """
     weights, values = weights.copy(), rows.at(weights)
     settled = ~contained(values)
@@ -139,10 +143,14 @@ def _lift(rows: Rows, weights: Floats, aim: float) -> Iterator[Floats]:
             return
         free, cells = rows.near(tet, int(reach[tet]))
         at = rows_of(cells)
-        here, part = values[at], rows.matrix[at][:, free]
+        here = values[at]
+        part, duals = rows.part(at, free)
+        lengths = duals @ values
         raised = contained(here) & (lowest(here) >= smallest)
-        step = _widen(part, here, np.repeat(raised, 4), np.minimum(here, smallest), aim)
-        reached = here + part @ step
+        both = np.append(here, lengths)
+        sought = np.append(np.repeat(raised, 4), np.zeros(len(lengths), dtype=bool))
+        step = _widen(part, both, sought, np.minimum(both, smallest), aim)
+        reached = here + (part @ step)[: len(at)]
         if (contained(reached) >= contained(here)).all() and lowest(reached)[raised].min() > smallest:
             weights[free] += step
             values[at] = reached

@@ -7,6 +7,8 @@ from builders import ball, bcc, jittered_cube, kuhn_cube, shaken_cube
 from comparing import assert_same
 from flags import center
 from refusals import refused
+from scipy.optimize import linprog
+from scipy.sparse import csr_array, hstack
 
 import wct_plugin as wct
 from wct_plugin import power_weights, quality
@@ -64,7 +66,7 @@ def test_all_where_almost_all_contain_their_circumcenter():
     moved = TetMesh(points, mesh.tets)
     share = measure(moved).well_centered_3.mean()
     assert 0.99 < share < 1.0
-    marked, metrics = weigh(moved, strict=True)
+    marked, metrics = weigh(moved, strict=True, margin=0.02)
     assert metrics["weighted_well_centered"]["percent"] == 100.0
     assert metrics["margin"] == marked.cell_data["orthocenter_margin"].min() > 0.01
     found = duals(moved, marked.point_data["power_weight"])
@@ -99,7 +101,8 @@ def facet_areas(mesh):
 def test_scale_does_not_matter():
     mesh = jittered_cube(2, 1)
     margins = [
-        weigh(TetMesh(mesh.points * scale, mesh.tets))[0].cell_data["orthocenter_margin"] for scale in (1.0, 1024.0)
+        weigh(TetMesh(mesh.points * scale, mesh.tets), margin=0.02)[0].cell_data["orthocenter_margin"]
+        for scale in (1.0, 1024.0)
     ]
     assert margins[0] == pytest.approx(margins[1], abs=1e-9)
 
@@ -147,10 +150,28 @@ def test_what_no_weights_can_do_is_proven():
     assert metrics["without_orthocenter"][0] in one["tets"]
 
 
-def test_costs_per_tet_leave_fewer_without(monkeypatch):
-    mended = weigh(shaken_cube(2))[1]["without_orthocenter"]
+def test_programmes_leave_fewer_without_than_descent(monkeypatch):
+    mended = weigh(shaken_cube(3), margin=1e-3)[1]["without_orthocenter"]
     monkeypatch.setattr(power_weights, "_MENDED", 0)
-    assert len(mended) < len(weigh(shaken_cube(2))[1]["without_orthocenter"])
+    assert len(mended) < len(weigh(shaken_cube(3), margin=1e-3)[1]["without_orthocenter"])
+
+
+def test_the_smallest_margin_is_almost_the_largest_there_can_be(relaxed):
+    """One programme over all tets at once, which takes no longer than ours in a mesh as small as this, knows it."""
+    heights = quality.heights(relaxed.points, relaxed.tets)[0]
+    table = slopes(relaxed.points, relaxed.tets)
+    edges = relaxed.points[relaxed.tets[:, [0, 0, 0, 1, 1, 2]]] - relaxed.points[relaxed.tets[:, [1, 2, 3, 2, 3, 3]]]
+    length = np.sqrt((edges**2).sum(axis=2).mean(axis=1))
+    count, size = len(relaxed.tets), len(relaxed.points)
+    rows = np.repeat(np.arange(4 * count), 4)
+    columns = np.repeat(relaxed.tets, 4, axis=0).ravel()
+    matrix = csr_array((-(table / length[:, None, None]).ravel(), (rows, columns)), shape=(4 * count, size))
+    system = hstack([matrix, csr_array(np.ones((4 * count, 1)))])
+    bounds = [(None, None)] * size + [(None, 0.1)]
+    best = linprog(
+        np.append(np.zeros(size), -1.0), system, (heights / length[:, None]).ravel(), bounds=bounds, method="highs"
+    )
+    assert 0.9 * -best.fun < weigh(relaxed)[1]["margin"] < -best.fun * (1 + 1e-6)
 
 
 def test_nothing_contradicts_itself_where_weights_exist():
