@@ -110,6 +110,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
     move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
+    The unit of length is no matter: bounding boxes of 1e-90 to 1e90 across are taken, others are refused.
     """
 
     name = "meshing_well_centered"
@@ -126,6 +127,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         scaling.check(mesh)
         surface = self._surface or mesh.reference
+        if surface:
+            scaling.check_reference(surface, mesh)
         wanted = edge_length.at_points(self.options.edge_length, mesh)
         unit = scaling.exponent(mesh.points)
         normalized = scaling.scaled(replace(mesh, reference=surface), -unit)

@@ -269,6 +269,7 @@ def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
 def _deviation(mesh: TetMesh) -> dict[str, float] | None:
     if mesh.reference is None or not mesh.reference.diagonal:
         return None
+    scaling.check_reference(mesh.reference, mesh)
     return deviation(mesh.boundary_surface(), mesh.reference).to_dict(mesh.reference.diagonal)
 
 

@@ -21,6 +21,8 @@ Scalable = TypeVar("Scalable", TetMesh, SurfaceMesh)
 #: Diagonals of bounding boxes between which floating-point numbers hold volumes, also those of small tets, and their
 #: inverses.
 SMALLEST, LARGEST = 1e-90, 1e90
+#: How many times as large as a mesh its reference may be, and the other way.
+APART = 1e20
 
 
 def exponent(points: Floats) -> int:
@@ -44,19 +46,33 @@ def scaled(mesh: Scalable, by: int) -> Scalable:
     """The mesh, and its reference, times 2 ** ``by``; data stay as they are."""
     if by == 0:
         return mesh
-    bigger = replace(mesh, points=rescaled(mesh.points, by))
-    if isinstance(bigger, TetMesh) and bigger.reference is not None:
-        bigger = replace(bigger, reference=scaled(bigger.reference, by))
-    return bigger
+    points = rescaled(mesh.points, by)
+    if isinstance(mesh, SurfaceMesh):
+        return replace(mesh, points=points)
+    return replace(mesh, points=points, reference=mesh.reference and scaled(mesh.reference, by))
 
 
 def check(mesh: TetMesh) -> None:
     """Raise :class:`InputError` for a mesh too small or too large for its volumes to be numbers."""
-    with np.errstate(over="ignore"):
-        diagonal = math.hypot(*np.ptp(mesh.points, axis=0).tolist())
+    diagonal = _diagonal(mesh.points)
     if not SMALLEST <= diagonal <= LARGEST:
-        where = f"{mesh.source}: " if mesh.source else ""
         raise InputError(
-            f"{where}the bounding box's diagonal is {diagonal:.3g};"
+            f"{mesh.source or 'the mesh'}: the bounding box's diagonal is {diagonal:.3g};"
             f" allowed is {SMALLEST:g} to {LARGEST:g}: choose another unit of length"
         )
+
+
+def check_reference(surface: SurfaceMesh, mesh: TetMesh) -> None:
+    """Raise :class:`InputError` for a surface so much smaller or larger that no unit of length suits both."""
+    own, other = _diagonal(surface.points[np.unique(surface.triangles)]), _diagonal(mesh.points)
+    if not other / APART <= own <= other * APART:
+        raise InputError(
+            f"{surface.source or 'the reference'}: the bounding box's diagonal is {own:.3g}, that of the mesh"
+            f" {other:.3g}; allowed is a factor of {APART:g} between them"
+        )
+
+
+def _diagonal(points: Floats) -> float:
+    """As of the meshes, but neither under- nor overflowing where its square does."""
+    with np.errstate(over="ignore"):
+        return math.hypot(*np.ptp(points, axis=0).tolist())
