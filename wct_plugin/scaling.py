@@ -1,8 +1,8 @@
 """The unit of length a mesh is worked on in: a power of two, so that changing it changes no digit.
 
 What makes a tet well-centered has no unit, but on the way to it up to eight lengths are multiplied, which neither 1e-60
-nor 1e60 survives. In a unit in which the bounding box is from 1 to 2 long they all fit. Two meshes that differ by a
-power of two are then one and the same, and so is all that becomes of them.
+nor 1e60 survives. In a unit in which the bounding box's diagonal is from 1.5 to 3, as the unit cube's, they all fit.
+Two meshes that differ by a power of two are then one and the same, and so is all that becomes of them.
 """
 
 import math
@@ -26,13 +26,13 @@ APART = 1e20
 
 
 def exponent(points: Floats) -> int:
-    """Of the greatest power of two no longer than the longest side of the points' bounding box; 0 for one place."""
-    longest = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
-    return math.frexp(longest)[1] - 1 if longest > 0.0 else 0
+    """Of the power of two in which the diagonal of the points' bounding box is at least 1.5, less than 3; 0 without."""
+    diagonal = _diagonal(points) if len(points) else 0.0
+    return math.frexp(diagonal / 1.5)[1] - 1 if diagonal > 0.0 else 0
 
 
 def normalized(points: Floats) -> Floats:
-    """The points in the unit in which the longest side of their bounding box is at least 1 and less than 2."""
+    """The points in the unit of :func:`exponent`."""
     return rescaled(points, -exponent(points))
 
 
