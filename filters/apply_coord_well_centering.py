@@ -4,13 +4,16 @@ from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
-from wct_plugin import _core, quality
+from wct_plugin import _core, quality, scaling
 from wct_plugin.mesh import TetMesh
 from wct_plugin.remaining import remaining
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 from wct_plugin.surface import strata
+
+Floats = NDArray[np.float64]
 
 
 class CoordWellCenteringOptions(Options):
@@ -54,12 +57,15 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options
+        scaling.check(mesh)
+        unit = scaling.exponent(mesh.points)  # the core works in a unit in which nothing under- or overflows
+        normalized = scaling.rescaled(mesh.points, -unit)
         surface = strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
         stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
-        tolerance = np.inf if options.tolerance is None else options.tolerance * _diagonal(mesh)
+        tolerance = np.inf if options.tolerance is None else options.tolerance * _diagonal(normalized)
         points, report = _core.move_vertices(
-            mesh.points,
+            normalized,
             mesh.tets,
             stratum,
             surface.label,
@@ -73,7 +79,7 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
             tolerance=tolerance,
             progress=lambda done, bad: progress(Progress("moving vertices", done, bad)) is not False,
         )
-        moved = replace(mesh, points=points)
+        moved = replace(mesh, points=scaling.rescaled(points, unit))
         left = remaining(
             moved,
             surface,
@@ -87,7 +93,6 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
         return moved, {**report, "remaining": left}
 
 
-def _diagonal(mesh: TetMesh) -> float:
-    """Of the bounding box; a mesh without extent has no surface that could leave anything."""
-    extent = float(np.linalg.norm(np.ptp(mesh.points, axis=0))) if len(mesh.points) else 0.0
-    return extent if extent > 0.0 else np.inf
+def _diagonal(points: Floats) -> float:
+    """Of the bounding box."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))

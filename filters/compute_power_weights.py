@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from wct_plugin import duals, quality
+from wct_plugin import duals, quality, scaling
 from wct_plugin.contradictions import contradiction, separate
 from wct_plugin.errors import WctError
 from wct_plugin.manifold import check_manifold
@@ -57,6 +57,7 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
     example: ClassVar[dict[str, Any]] = {"margin": 0.05}
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        scaling.check(mesh)
         check_manifold(mesh)
 
         stopped = False

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import duals, quality
+from wct_plugin import duals, quality, scaling
 from wct_plugin.mesh import TetMesh
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 
@@ -29,6 +29,7 @@ class ComputeScalarByWellCenteredness(Filter[WellCenterednessOptions]):
     declaration = WellCenterednessOptions
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        scaling.check(mesh)
         measured = quality.measure(mesh)
         dual = duals.duals(mesh)
         flags = {

@@ -1,16 +1,17 @@
 """``filters.meshing_well_centered``: resample, reconnect and move until every tet is well-centered."""
 
+import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, conforming, edge_length, quality, starts
+from wct_plugin import _core, conforming, edge_length, quality, scaling, starts
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
@@ -109,6 +110,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
     move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
+    The unit of length is no matter: bounding boxes of 1e-90 to 1e90 across are taken, others are refused.
     """
 
     name = "meshing_well_centered"
@@ -123,13 +125,33 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         self._surface = _load(self.options.reference)  # now, so that a file of no use is refused before any work
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
-        options = self.options
+        scaling.check(mesh)
         surface = self._surface or mesh.reference
-        wanted = edge_length.at_points(options.edge_length, mesh)
+        if surface:
+            scaling.check_reference(surface, mesh)
+        wanted = edge_length.at_points(self.options.edge_length, mesh)
+        unit = scaling.exponent(mesh.points)
+        normalized = scaling.scaled(replace(mesh, reference=surface), -unit)
+        own = own_boundary(normalized, self.options.crease_angle)
+        if self.options.goal in DUAL:
+            found = self._conform(normalized, own, progress)
+        else:
+            found = self._well_center(
+                normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), progress
+            )
+        better = mesh if found.mesh is normalized else scaling.scaled(found.mesh, unit)
+        better = replace(better, reference=surface)
+        tolerance = math.ldexp(found.tolerance, unit)
+        result = self._judge(mesh, own, better, found.measured, tolerance, stopped=found.work["stopped"])
+        return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
+
+    def _well_center(
+        self, mesh: TetMesh, own: Reference, wanted: Floats | None, progress: ProgressCallback
+    ) -> "_Found":
+        """The mesh resampled, or made from itself, with as few bad tets as the search gets to."""
+        options = self.options
+        surface = mesh.reference
         moves = options.boundary == "move"
-        own = own_boundary(mesh, options.crease_angle)
-        if options.goal in DUAL:
-            return self._conform(mesh, own, surface, progress)
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
@@ -139,7 +161,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             warnings.warn(
                 f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
                 WctWarning,
-                stacklevel=2,
+                stacklevel=3,
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
@@ -162,11 +184,9 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
-                warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=2)
-        better = replace(better, reference=surface)
-        result = self._judge(mesh, own, better, after, tolerance, stopped=found["stopped"])
+                warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
         work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
-        return better, {**result, **work, "tolerance": tolerance / diagonal}
+        return _Found(better, after, tolerance, work)
 
     def _share(self, start: Start) -> float:
         """Of the tets that miss the goal in a start of the search."""
@@ -176,13 +196,11 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     def _bad(self, mesh: TetMesh, measured: Quality) -> int:
         return int(misses(mesh, measured, self.options.goal).sum())
 
-    def _conform(
-        self, mesh: TetMesh, own: Reference, surface: SurfaceMesh | None, progress: ProgressCallback
-    ) -> tuple[TetMesh, Metrics]:
+    def _conform(self, mesh: TetMesh, own: Reference, progress: ProgressCallback) -> "_Found":
         """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is."""
         options = self.options
-        diagonal = (surface or mesh).diagonal
-        tolerance = (options.tolerance or own.auto_tolerance()) * diagonal
+        surface = mesh.reference
+        tolerance = (options.tolerance or own.auto_tolerance()) * (surface or mesh).diagonal
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
         listen = _Listener(progress, bad)
@@ -205,9 +223,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             elif not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
             listen.measure(bad)
-        better = replace(better, reference=surface)
-        result = self._judge(mesh, own, better, after, tolerance, stopped=listen.stopped)
-        return better, {**result, "stopped": listen.stopped, "tolerance": tolerance / diagonal}
+        return _Found(better, after, tolerance, {"stopped": listen.stopped})
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
@@ -309,6 +325,15 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
             return start
         return refilled
+
+
+class _Found(NamedTuple):
+    """What both kinds of goals lead to, in the unit the work was done in."""
+
+    mesh: TetMesh
+    measured: Quality
+    tolerance: float
+    work: Metrics
 
 
 class _Asked(TypedDict):

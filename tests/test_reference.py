@@ -53,7 +53,7 @@ def _with_more(surface, points, triangles):
     )
 
 
-def test_a_surface_bounds_a_mesh_unless_it_has_holes_or_runs_on_inside():
+def test_a_surface_bounds_a_mesh_unless_it_has_holes_runs_on_inside_or_is_not_all_there():
     mesh, surface = ball(4), sphere_surface(400)
     own = own_boundary(mesh, 60.0)
     small = sphere_surface(60, 0.4)
@@ -62,6 +62,8 @@ def test_a_surface_bounds_a_mesh_unless_it_has_holes_or_runs_on_inside():
     assert bounds(given_surface(surface, mesh, 60.0), own)
     assert not bounds(given_surface(opened, mesh, 60.0), own)
     assert not bounds(given_surface(inside, mesh, 60.0), own)
+    speck = SurfaceMesh(surface.points[0] + 1e-3 * small.points, small.triangles)  # in metres, not in millimetres
+    assert not bounds(given_surface(speck, mesh, 60.0), own)
 
 
 def test_the_gap_is_what_lies_between_mesh_and_surface():

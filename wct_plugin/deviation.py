@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from wct_plugin import _core
+from wct_plugin import _core, scaling
 from wct_plugin.mesh import SurfaceMesh
 
 Floats = NDArray[np.float64]
@@ -54,11 +54,16 @@ def deviation(a: SurfaceMesh, b: SurfaceMesh, spacing: float | None = None, *, c
     the same samples by :mod:`wct_plugin._core` instead of NumPy, in a tenth of the time. Raises :class:`ValueError` for
     a spacing that is not positive.
     """
-    step_a, step_b = _step(a, spacing), _step(b, spacing)
+    unit = scaling.exponent(np.concatenate([a.points, b.points]))
+    a, b = scaling.scaled(a, -unit), scaling.scaled(b, -unit)
+    step_a, step_b = (_step(one, spacing and math.ldexp(spacing, -unit)) for one in (a, b))
     farthest = _farthest_compiled if compiled else _farthest
     max_ab, at_ab = farthest(a, step_a, b)
     max_ba, at_ba = farthest(b, step_b, a)
-    return Deviation(max_ab, max_ba, at_ab, at_ba, step_a / math.sqrt(3.0), step_b / math.sqrt(3.0))
+    error_ab, error_ba = step_a / math.sqrt(3.0), step_b / math.sqrt(3.0)
+    lengths = (max_ab, max_ba, *at_ab, *at_ba, error_ab, error_ba)
+    max_ab, max_ba, *at, error_ab, error_ba = (math.ldexp(one, unit) for one in lengths)
+    return Deviation(max_ab, max_ba, (at[0], at[1], at[2]), (at[3], at[4], at[5]), error_ab, error_ba)
 
 
 def _farthest(a: SurfaceMesh, step: float, b: SurfaceMesh) -> tuple[float, tuple[float, float, float]]:

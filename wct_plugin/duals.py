@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import power, quality
+from wct_plugin import power, quality, scaling
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import TetMesh
 from wct_plugin.quality import Quality
@@ -142,9 +142,12 @@ def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
         areas: Floats = of.areas / np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         return areas
     if k == 2:
-        first, second, third = (mesh.points.T[:, corners] for corners in mesh.topology.facets.T)
+        unit = scaling.exponent(mesh.points)
+        coordinates = scaling.rescaled(mesh.points, -unit).T
+        first, second, third = (coordinates[:, corners] for corners in mesh.topology.facets.T)
         normals = np.cross(second - first, third - first, axis=0)  # along the long axis: a quarter of the time
-        lengths: Floats = 2.0 * of.lengths / np.sqrt(np.einsum("kf,kf->f", normals, normals))
+        areas_doubled = scaling.rescaled(np.sqrt(np.einsum("kf,kf->f", normals, normals)), 2 * unit)
+        lengths: Floats = 2.0 * of.lengths / areas_doubled
         return lengths
     raise ValueError(f"k is {k}; a tetrahedral mesh has forms of degree 0, 1, 2 and 3")
 

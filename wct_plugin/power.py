@@ -8,6 +8,7 @@ the gradient of the weights' linear interpolant, the facet's likewise within its
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin import scaling
 from wct_plugin.topology import FACETS, OPPOSITE_EDGES
 
 Floats = NDArray[np.float64]
@@ -22,13 +23,14 @@ def slopes(points: Floats, tets: Ints) -> Floats:
     -1/2 grad(lambda_i) . n_f, with n_f the facet's inward unit normal. Rows sum to zero: weights that are all equal
     change nothing.
     """
-    corners = points[tets]
+    unit = scaling.exponent(points)
+    corners = scaling.rescaled(points, -unit)[tets]
     facets = corners[:, FACETS]
     outward = np.cross(facets[:, :, 1] - facets[:, :, 0], facets[:, :, 2] - facets[:, :, 0])
     det = np.einsum("mk,mk->m", corners[:, 1] - corners[:, 0], -outward[:, 1])
     areas = np.linalg.norm(outward, axis=2)
-    out: Floats = outward @ outward.transpose(0, 2, 1) / (-2.0 * det[:, None, None] * areas[:, :, None])
-    return out
+    table = outward @ outward.transpose(0, 2, 1) / (-2.0 * det[:, None, None] * areas[:, :, None])
+    return scaling.rescaled(table, -unit)
 
 
 def shift_heights(

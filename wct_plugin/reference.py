@@ -85,18 +85,21 @@ def clean(surface: SurfaceMesh) -> SurfaceMesh:
 
 
 def bounds(surface: Reference, own: Reference) -> bool:
-    """Whether a given surface is the boundary of the mesh whose own boundary is ``own``: closed, and all of it outside.
+    """Whether a given surface is the boundary of the mesh whose own boundary is ``own``: closed, and all of it.
 
-    Scans have holes that the mesher closed, and sheets that run on inside the body. Where a facet of the surface lies
-    deeper in or farther off than a chord across a bend could explain, a quarter of the mesh's edge, it bounds nothing.
+    Scans have holes that the mesher closed, and sheets that run on inside the body. Where a facet of either lies deeper
+    in or farther off the other than a chord across a bend could explain, a quarter of the mesh's edge, the surface
+    bounds nothing.
     """
     triangles = surface.strata.triangles
     if (surface_edges(triangles, len(surface.points))[3] % 2).any():
         return False
-    shell = own.points[own.strata.triangles]
-    edge = np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)
-    _, nearest, far = _core.closest_points(own.points, own.strata.triangles, surface.points[triangles].mean(axis=1))
-    return bool((far <= 0.25 * edge[nearest]).all())
+    outer = own.strata.triangles[((own.sides < 0).sum(axis=1) == 1)[own.strata.patch]]  # not sheets within
+    shell = own.points[outer]
+    far = 0.25 * np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)
+    _, nearest, in_or_off = _core.closest_points(own.points, outer, surface.points[triangles].mean(axis=1))
+    _, _, bare = _core.closest_points(surface.points, triangles, shell.mean(axis=1))
+    return bool((in_or_off <= far[nearest]).all() and (bare <= far).all())
 
 
 def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:

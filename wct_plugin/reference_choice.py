@@ -26,7 +26,7 @@ def choose(
     """
     given = given_surface(surface, mesh, crease_angle)
     if not bounds(given, own):
-        return own, "it does not bound the mesh, but has holes or lies inside in places"
+        return own, "it does not bound the mesh, but has holes, or lies inside or apart from it in places"
     if len(own.regions) > 1:
         return own, "the mesh has several regions"
     if len(mesh.edges) or len(mesh.nodes):

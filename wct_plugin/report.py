@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import certificate, duals, fidelity, quality, remaining, shape_floor, surface
+from wct_plugin import certificate, duals, fidelity, quality, remaining, scaling, shape_floor, surface
 from wct_plugin.certificate import Certificate
 from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
@@ -205,8 +205,10 @@ def make_report(
 
     ``found``: metrics of the filter that made it; its deviation, remaining tets and shape are not measured again.
     ``exact``: prove what is said about it, too, see :func:`wct_plugin.certificate.certify`.
-    Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
+    Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet, and for sizes that
+    :func:`wct_plugin.scaling.check` refuses.
     """
+    scaling.check(mesh)
     measured = quality.measure(mesh)
     places = surface.place(mesh, surface.strata(mesh))
     flags = {
@@ -267,6 +269,7 @@ def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
 def _deviation(mesh: TetMesh) -> dict[str, float] | None:
     if mesh.reference is None or not mesh.reference.diagonal:
         return None
+    scaling.check_reference(mesh.reference, mesh)
     return deviation(mesh.boundary_surface(), mesh.reference).to_dict(mesh.reference.diagonal)
 
 

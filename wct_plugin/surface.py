@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from wct_plugin import scaling
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.topology import FACETS
 
@@ -69,7 +70,7 @@ def _strata(
     nodes: Ints,
     crease_angle: float,
 ) -> Strata:
-    count = len(points)
+    points, count = scaling.normalized(points), len(points)
     edges, owners, starts, sizes, forward = surface_edges(triangles, count)
 
     first, second = owners[starts], owners[starts + sizes - 1]
@@ -129,7 +130,7 @@ def bends(points: Floats, triangles: Ints, label: Ints) -> tuple[Ints, Floats, B
     paired = sizes == 2
     first, second = owners[starts[paired]], owners[starts[paired] + 1]
     same_way = forward[starts[paired]] == forward[starts[paired] + 1]
-    bend = np.degrees(_bend(points, triangles, first, second, same_way))
+    bend = np.degrees(_bend(scaling.normalized(points), triangles, first, second, same_way))
     return edges[paired], bend, label[first] == label[second]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import quality
+from wct_plugin import quality, scaling
 from wct_plugin.mesh import TetMesh
 from wct_plugin.surface import Strata
 from wct_plugin.topology import EDGES
@@ -32,7 +32,7 @@ def wedge_angles(mesh: TetMesh, tets: Ints) -> Floats:
 
 def corner_angles(points: Floats, of: Strata) -> tuple[Ints, Floats]:
     """Corners (c,), one row per patch that meets there, and the angle in degrees the patch's triangles fill there."""
-    corners = points[of.triangles]
+    corners = scaling.normalized(points)[of.triangles]
     one, two = np.roll(corners, -1, axis=1) - corners, np.roll(corners, -2, axis=1) - corners
     sine = np.linalg.norm(np.cross(one, two), axis=2)
     angle = np.degrees(np.arctan2(sine, np.einsum("tij,tij->ti", one, two)))
