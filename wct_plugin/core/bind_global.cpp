@@ -180,6 +180,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
                          bool cosines, std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
+    trim();
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
     surface.segments = cells_of<2>(segments, surface.points.size(), "segments");

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -157,32 +159,44 @@ template <std::size_t corners> class BoundingTree {
 
     /// Pieces that share all corners but one.
     void find_neighbours() {
-        using Side = std::array<double, 3 * (corners - 1)>; // its corners in ascending order
-        std::vector<std::pair<Side, std::int32_t>> sides;   // 3 * piece + which
+        // Corners by number, equal ones by the same: coordinates as keys would take several times the memory.
+        std::vector<std::int32_t> order(corners * pieces_.size()), number(order.size());
+        std::iota(order.begin(), order.end(), 0);
+        const auto coordinates = [&](std::int32_t corner) {
+            const Vec3 &p = pieces_[corner / corners][corner % corners];
+            return std::array{p.x, p.y, p.z};
+        };
+        std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+            const auto at = coordinates(a), other = coordinates(b);
+            return at != other ? at < other : a < b;
+        });
+        for (std::size_t k = 1; k < order.size(); ++k)
+            number[order[k]] = number[order[k - 1]] + (coordinates(order[k]) != coordinates(order[k - 1]));
+        struct Side {
+            std::array<std::int32_t, corners - 1> key; // its corners in ascending order
+            std::int32_t piece;
+            std::int32_t which;
+        };
+        std::vector<Side> sides;
+        sides.reserve(order.size());
         for (std::size_t p = 0; p < pieces_.size(); ++p)
             for (std::size_t i = 0; i < corners; ++i) {
-                std::array<std::array<double, 3>, corners - 1> side;
-                for (std::size_t k = 0; k + 1 < corners; ++k) {
-                    const Vec3 &corner = pieces_[p][(i + k + 1) % corners];
-                    side[k] = {corner.x, corner.y, corner.z};
-                }
-                std::sort(side.begin(), side.end());
-                Side key;
-                for (std::size_t k = 0; k < key.size(); ++k)
-                    key[k] = side[k / 3][k % 3];
-                sides.push_back({key, static_cast<std::int32_t>(corners * p + i)});
+                Side side{{}, static_cast<std::int32_t>(p), static_cast<std::int32_t>(i)};
+                for (std::size_t k = 0; k + 1 < corners; ++k)
+                    side.key[k] = number[corners * p + (i + k + 1) % corners];
+                std::sort(side.key.begin(), side.key.end());
+                sides.push_back(side);
             }
-        std::sort(sides.begin(), sides.end());
+        std::sort(sides.begin(), sides.end(), [](const Side &a, const Side &b) {
+            return std::tie(a.key, a.piece, a.which) < std::tie(b.key, b.piece, b.which);
+        });
         std::array<std::int32_t, corners> none;
         none.fill(-1);
         neighbours_.assign(pieces_.size(), none);
-        const auto link = [&](std::int32_t from, std::int32_t to) {
-            neighbours_[from / corners][from % corners] = static_cast<std::int32_t>(to / corners);
-        };
         for (std::size_t k = 0; k + 1 < sides.size(); ++k)
-            if (sides[k].first == sides[k + 1].first) {
-                link(sides[k].second, sides[k + 1].second);
-                link(sides[k + 1].second, sides[k].second);
+            if (sides[k].key == sides[k + 1].key) {
+                neighbours_[sides[k].piece][sides[k].which] = sides[k + 1].piece;
+                neighbours_[sides[k + 1].piece][sides[k + 1].which] = sides[k].piece;
             }
     }
 

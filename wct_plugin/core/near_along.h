@@ -39,7 +39,10 @@ struct NearAlong {
             }
             const double t = std::max(reached, exit.t);
             const Vec3 x = a + t * whole;
-            if (exit.neighbour < 0 || !tree.reaches(piece, x, limit) || !tree.reaches(exit.neighbour, x, limit))
+            if (exit.neighbour < 0 || !tree.reaches(piece, x, limit))
+                break;
+            // The point of the piece closest to where it is left lies on the side both share.
+            if (t > exit.t && !tree.reaches(exit.neighbour, x, limit))
                 break;
             reached = t;
             piece = exit.neighbour;

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <tuple>
 #include <utility>
 
 namespace wct {
@@ -34,6 +35,7 @@ Vec3 across(const Vec3 &n) {
 Reference::Reference(SurfaceData data) : data_(std::move(data)) {
     Box all;
     std::vector<Box> boxes;
+    boxes.reserve(data_.triangles.size());
     for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
         boxes.push_back(box_of(data_, static_cast<int>(t)));
         all.add(boxes.back());
@@ -64,33 +66,41 @@ Reference::Reference(SurfaceData data) : data_(std::move(data)) {
 void Reference::make_wedges() {
     // Triangles round a vertex are of one wedge if they are joined across edges of their patch: a crease that fades out
     // on a patch has the patch on both of its sides, and two wedges per vertex.
-    const auto sorted = [](int v, int w) { return std::array{std::min(v, w), std::max(v, w)}; };
     std::set<std::array<int, 2>> creases;
     for (const auto &[v, w] : data_.segments)
-        creases.insert(sorted(v, w));
-    Groups fans(3 * data_.triangles.size());                                // of corners
-    std::map<std::pair<std::array<int, 2>, int>, std::array<int, 2>> known; // edge, patch -> a triangle's corners there
+        creases.insert({std::min(v, w), std::max(v, w)});
+    struct Side {
+        std::array<int, 3> key;     // ends, patch
+        std::array<int, 2> corners; // of a triangle, at the ends
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * data_.triangles.size());
     for (std::size_t t = 0; t < data_.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
-            const int v = data_.triangles[t][k], w = data_.triangles[t][(k + 1) % 3];
-            std::array<int, 2> own{static_cast<int>(3 * t) + k, static_cast<int>(3 * t) + (k + 1) % 3};
-            if (v > w)
-                std::swap(own[0], own[1]);
-            if (creases.contains(sorted(v, w)))
+            const int next = (k + 1) % 3, v = data_.triangles[t][k], w = data_.triangles[t][next];
+            const int corner = static_cast<int>(3 * t);
+            if (creases.contains({std::min(v, w), std::max(v, w)}))
                 continue;
-            const auto [at, fresh] = known.try_emplace({sorted(v, w), data_.patch[t]}, own);
-            for (int end = 0; !fresh && end < 2; ++end)
-                fans.join(own[end], at->second[end]);
+            v < w ? sides.push_back({{v, w, data_.patch[t]}, {corner + k, corner + next}})
+                  : sides.push_back({{w, v, data_.patch[t]}, {corner + next, corner + k}});
         }
-    std::map<int, int> wedges; // root of a fan -> wedge
+    std::sort(sides.begin(), sides.end(),
+              [](const Side &a, const Side &b) { return std::tie(a.key, a.corners) < std::tie(b.key, b.corners); });
+    Groups fans(3 * data_.triangles.size()); // of corners
+    for (std::size_t k = 1; k < sides.size(); ++k)
+        for (int end = 0; end < 2 && sides[k].key == sides[k - 1].key; ++end)
+            fans.join(sides[k].corners[end], sides[k - 1].corners[end]);
+    std::vector<int> wedges(3 * data_.triangles.size(), -1); // of each fan, at its root
+    wedges_.reserve(data_.triangles.size());
     for (std::size_t t = 0; t < data_.triangles.size(); ++t) {
         std::array<int, 3> own;
         for (int k = 0; k < 3; ++k) {
-            const auto [at, fresh] =
-                wedges.try_emplace(fans.find(static_cast<int>(3 * t) + k), static_cast<int>(wedge_vertex_.size()));
-            if (fresh)
+            int &wedge = wedges[fans.find(static_cast<int>(3 * t) + k)];
+            if (wedge < 0) {
+                wedge = static_cast<int>(wedge_vertex_.size());
                 wedge_vertex_.push_back(data_.triangles[t][k]);
-            own[k] = at->second;
+            }
+            own[k] = wedge;
         }
         wedges_.push_back(own);
     }
@@ -101,7 +111,14 @@ void Reference::make_normals() {
     const auto &triangles = data_.triangles;
     wedge_normal_.assign(wedge_vertex_.size(), {});
     vertex_normal_.assign(points.size(), {});
-    std::map<std::pair<int, int>, std::pair<Vec3, int>> edges;
+    struct Side {
+        std::array<int, 2> ends;
+        int triangle, opposite;
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * triangles.size());
+    areas_.reserve(triangles.size());
+    normals_.reserve(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         const auto &[a, b, c] = triangles[t];
         const Vec3 n = cross(points[b] - points[a], points[c] - points[a]);
@@ -119,21 +136,22 @@ void Reference::make_normals() {
                 const double angle = std::atan2(norm(cross(p, q)), dot(p, q));
                 vertex_normal_[v] += angle * normals_.back();
             }
-            auto &edge = edges[{std::min(v, w), std::max(v, w)}];
-            edge.first += normals_.back();
-            ++edge.second;
+            sides.push_back({{std::min(v, w), std::max(v, w)}, static_cast<int>(t), (k + 2) % 3});
         }
     }
     for (auto &n : wedge_normal_)
         n = unit(n);
+    std::sort(sides.begin(), sides.end(), [](const Side &a, const Side &b) {
+        return std::tie(a.ends, a.triangle, a.opposite) < std::tie(b.ends, b.triangle, b.opposite);
+    });
     edge_normal_.resize(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const int v = triangles[t][(k + 1) % 3];
-            const int w = triangles[t][(k + 2) % 3];
-            const auto &edge = edges[{std::min(v, w), std::max(v, w)}];
-            edge_normal_[t][k] = edge.second == 2 ? edge.first : normals_[t];
-        }
+    for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+        Vec3 sum;
+        for (last = first; last < sides.size() && sides[last].ends == sides[first].ends; ++last)
+            sum += normals_[sides[last].triangle];
+        for (std::size_t k = first; k < last; ++k)
+            edge_normal_[sides[k].triangle][sides[k].opposite] = last - first == 2 ? sum : normals_[sides[k].triangle];
+    }
 }
 
 void Reference::find_planes() {
@@ -174,14 +192,14 @@ void Reference::make_curvatures() {
     std::vector<Vec3> first(count);
     for (std::size_t w = 0; w < count; ++w)
         first[w] = across(wedge_normal_[w]);
-    std::vector<std::pair<int, int>> edges;
-    for (std::size_t t = 0; t < wedges_.size(); ++t)
-        if (!planar_[data_.patch[t]])
-            for (int k = 0; k < 3; ++k) {
-                edges.emplace_back(wedges_[t][k], wedges_[t][(k + 1) % 3]);
-                edges.emplace_back(wedges_[t][(k + 1) % 3], wedges_[t][k]);
+    const auto along_edges = [this](const auto &visit) { // each triangle's, both ways
+        for (std::size_t t = 0; t < wedges_.size(); ++t)
+            for (int k = 0; k < 3 && !planar_[data_.patch[t]]; ++k) {
+                visit(wedges_[t][k], wedges_[t][(k + 1) % 3]);
+                visit(wedges_[t][(k + 1) % 3], wedges_[t][k]);
             }
-    for (const auto &[v, w] : edges) {
+    };
+    along_edges([&](int v, int w) {
         const Vec3 d = data_.points[wedge_vertex_[w]] - data_.points[wedge_vertex_[v]];
         const Vec3 dn = wedge_normal_[w] - wedge_normal_[v];
         const Vec3 second = cross(wedge_normal_[v], first[v]);
@@ -197,7 +215,7 @@ void Reference::make_curvatures() {
         s.ya += y * a;
         s.xb += x * b;
         s.yb += y * b;
-    }
+    });
     curvatures_.assign(count, {0.0, 0.0});
     for (std::size_t w = 0; w < count; ++w) {
         const Sums &s = sums[w];
@@ -221,11 +239,11 @@ void Reference::make_curvatures() {
     for (int pass = 0; pass < 2; ++pass) {
         auto sum = curvatures_;
         std::vector<double> weight(count, 1.0);
-        for (const auto &[v, w] : edges) {
+        along_edges([&](int v, int w) {
             sum[v][0] += curvatures_[w][0];
             sum[v][1] += curvatures_[w][1];
             weight[v] += 1.0;
-        }
+        });
         for (std::size_t w = 0; w < count; ++w)
             curvatures_[w] = {sum[w][0] / weight[w], sum[w][1] / weight[w]};
     }

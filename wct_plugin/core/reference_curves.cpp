@@ -74,26 +74,29 @@ void Reference::make_curves() {
 }
 
 void Reference::find_patches_around() {
-    std::vector<std::set<int>> at_vertex(data_.points.size());
-    std::map<std::pair<int, int>, std::set<int>> at_edge;
+    const auto add = [](std::vector<int> &patches, int patch) { // in ascending order, each once
+        const auto at = std::lower_bound(patches.begin(), patches.end(), patch);
+        if (at == patches.end() || *at != patch)
+            patches.insert(at, patch);
+    };
+    std::map<std::pair<int, int>, std::vector<int>> at_crease;
+    for (const auto &[v, w] : data_.segments)
+        at_crease[{std::min(v, w), std::max(v, w)}];
+    vertex_patches_.resize(data_.points.size());
     for (std::size_t t = 0; t < data_.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
             const int v = data_.triangles[t][k];
             const int w = data_.triangles[t][(k + 1) % 3];
-            at_vertex[v].insert(data_.patch[t]);
-            at_edge[{std::min(v, w), std::max(v, w)}].insert(data_.patch[t]);
+            add(vertex_patches_[v], data_.patch[t]);
+            if (const auto found = at_crease.find({std::min(v, w), std::max(v, w)}); found != at_crease.end())
+                add(found->second, data_.patch[t]);
         }
-    for (const auto &patches : at_vertex)
-        vertex_patches_.emplace_back(patches.begin(), patches.end());
-    std::vector<std::set<int>> at_curve(curves_.size());
+    curve_patches_.resize(curves_.size());
     for (std::size_t s = 0; s < data_.segments.size(); ++s) {
         const auto &[v, w] = data_.segments[s];
-        const auto found = at_edge.find({std::min(v, w), std::max(v, w)});
-        if (found != at_edge.end())
-            at_curve[data_.curve[s]].insert(found->second.begin(), found->second.end());
+        for (const int patch : at_crease[{std::min(v, w), std::max(v, w)}])
+            add(curve_patches_[data_.curve[s]], patch);
     }
-    for (const auto &patches : at_curve)
-        curve_patches_.emplace_back(patches.begin(), patches.end());
 }
 
 void Reference::bend_curve(Curve &curve) {

@@ -95,11 +95,12 @@ void Search::polish() {
     for (double margin : {0.02, 0.03, 0.05, 0.08}) {
         adopt(sharp_form(options_.acute, margin, margin));
         for (int sweep = 0; sweep < 6 && complex_.total() > 0.0; ++sweep) {
-            complex_.mark();
+            const TetComplex saved = complex_; // smaller than a journal of all moves
             const double before = clearance();
             for (std::size_t v = 0; v < complex_.vertex_slots(); ++v)
                 descent_.relax(static_cast<int>(v), 4);
-            clearance() >= before ? complex_.commit() : complex_.rollback();
+            if (!(clearance() >= before))
+                complex_ = saved;
         }
     }
 }
@@ -109,7 +110,7 @@ void Search::widen_margins(const SearchProgress &progress) {
     // So many evaluations per tet are margins worth: a few tets short of them would take longer than all the rest.
     const double worth = std::min(options_.worth, static_cast<double>(options_.kicks));
     const int before = count_bad(); // on facets that rule the goal out
-    complex_.mark();
+    const TetComplex saved = complex_;
     polish();
     adopt(margin_form(options_.acute, options_.margin));
     sweep(1);
@@ -118,7 +119,8 @@ void Search::widen_margins(const SearchProgress &progress) {
     adopt(sharp_form(options_.acute));
     if (!outcome_.stopped)
         kick_until_good(progress, "margin", patient, worth);
-    count_bad() > before ? complex_.rollback() : complex_.commit();
+    if (count_bad() > before)
+        complex_ = saved;
     adopt(margin_form(options_.acute, options_.margin));
 }
 
