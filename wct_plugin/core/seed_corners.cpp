@@ -12,11 +12,13 @@ namespace wct {
 namespace {
 
 constexpr double kWidest = 1.309; // angle of a patch at a corner that one facet may fill: 75 degrees
+constexpr double kSharp = 0.5;    // cosine of the angle between creases below which it is sharp: 60 degrees
 
 /// Where a crease leaves a corner.
 struct Spoke {
     int curve;
-    int point; // next on the curve
+    int point;  // next on the curve
+    bool alone; // no corner, nor the point next to one at the curve's other end
 };
 
 /// v turned by an angle about the unit vector n.
@@ -29,6 +31,29 @@ struct Opening {
     double angle = 0.0;
     Vec3 normal;
 };
+
+/// Where creases meet at a sharp angle, a facet from one to the other is acute only if they are about equally long:
+/// their next points go as far from the corner as they are in the mean.
+void even_sharp(Cloud &cloud, const Reference &reference, int corner, const std::vector<Spoke> &around) {
+    const Vec3 at = cloud.points[corner];
+    std::vector<const Spoke *> sharp;
+    double sum = 0.0;
+    for (const Spoke &one : around) {
+        const Vec3 way = unit(cloud.points[one.point] - at);
+        const bool any = std::any_of(around.begin(), around.end(), [&](const Spoke &other) {
+            return &other != &one && dot(way, unit(cloud.points[other.point] - at)) > kSharp;
+        });
+        if (!any || !one.alone)
+            continue;
+        sharp.push_back(&one);
+        sum += norm(cloud.points[one.point] - at);
+    }
+    for (const Spoke *one : sharp) {
+        Vec3 &p = cloud.points[one->point];
+        p = reference.nearest_on_curve(at + (sum / static_cast<double>(sharp.size())) * unit(p - at), one->curve, true)
+                .point;
+    }
+}
 
 } // namespace
 
@@ -54,9 +79,12 @@ void seed_corners(Cloud &cloud, const Reference &reference) {
         const auto &chain = chains[c];
         if (chain.size() < 2 || reference.curves()[c].closed)
             continue;
-        spokes[chain.front().point].push_back({c, chain[1].point});
-        spokes[chain.back().point].push_back({c, chain[chain.size() - 2].point});
+        const bool alone = chain.size() > 3;
+        spokes[chain.front().point].push_back({c, chain[1].point, alone});
+        spokes[chain.back().point].push_back({c, chain[chain.size() - 2].point, alone});
     }
+    for (const auto &[corner, around] : spokes)
+        even_sharp(cloud, reference, corner, around);
     for (const auto &[corner, around] : spokes) {
         if (cloud.role[corner] != Stratum::corner)
             continue;
