@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from wct_plugin import _core, quality, scaling
@@ -12,8 +11,6 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.remaining import remaining
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 from wct_plugin.surface import strata
-
-Floats = NDArray[np.float64]
 
 
 class CoordWellCenteringOptions(Options):
@@ -59,13 +56,13 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
         options = self.options
         scaling.check(mesh)
         unit = scaling.exponent(mesh.points)  # the core works in a unit in which nothing under- or overflows
-        normalized = scaling.rescaled(mesh.points, -unit)
+        normalized = scaling.scaled(mesh, -unit)
         surface = strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
         stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
-        tolerance = np.inf if options.tolerance is None else options.tolerance * _diagonal(normalized)
+        tolerance = np.inf if options.tolerance is None else options.tolerance * normalized.diagonal
         points, report = _core.move_vertices(
-            normalized,
+            normalized.points,
             mesh.tets,
             stratum,
             surface.label,
@@ -91,8 +88,3 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
             connectivity="fixed",
         )
         return moved, {**report, "remaining": left}
-
-
-def _diagonal(points: Floats) -> float:
-    """Of the bounding box."""
-    return float(np.linalg.norm(np.ptp(points, axis=0)))

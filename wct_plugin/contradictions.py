@@ -22,6 +22,7 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_array, vstack
 
 from wct_plugin import power, predicates
+from wct_plugin.power_rows import by_weights
 from wct_plugin.signs import exact_values
 
 Floats = NDArray[np.float64]
@@ -93,9 +94,7 @@ def _contradicting(points: Floats, tets: Ints, heights: Floats, cells: Ints) -> 
     length = np.sqrt((edges**2).sum(axis=(1, 2)) / 3)
     slopes = power.slopes(points, own) * (np.median(length) ** 2 / length)[:, None, None]
     vertices, columns = np.unique(own, return_inverse=True)
-    columns = np.repeat(columns.reshape(-1, 4), 4, axis=0).ravel()
-    starts = np.arange(0, 16 * len(cells) + 1, 4)
-    matrix = csr_array((slopes.ravel(), columns, starts), shape=(4 * len(cells), len(vertices)))
+    matrix = by_weights(slopes, columns.reshape(-1, 4), len(vertices))
     values = heights[cells].ravel()
     # min y . values: the multipliers, with sum 1, whose conditions are violated most.
     system = vstack([matrix.T, csr_array(np.ones((1, len(values))))])

@@ -76,6 +76,13 @@ def rows_of(cells: Ints) -> Ints:
     return (4 * cells[:, None] + np.arange(4)).ravel()
 
 
+def by_weights(slopes: Floats, tets: Ints, count: int) -> csr_array:
+    """(4m, count) the slopes (m, 4, 4) of :func:`wct_plugin.power.slopes`, or a multiple, as rows by the weights."""
+    columns = np.repeat(tets, 4, axis=0).ravel()
+    starts = np.arange(0, 16 * len(tets) + 1, 4)
+    return csr_array((slopes.ravel(), columns, starts), shape=(4 * len(tets), count))
+
+
 def local_length(mesh: TetMesh) -> Floats:
     """(m,) root mean square length of each tet's six edges."""
     edges = mesh.points[mesh.tets[:, EDGES[:, 1]]] - mesh.points[mesh.tets[:, EDGES[:, 0]]]
@@ -93,9 +100,7 @@ def make_rows(mesh: TetMesh) -> Rows:
     steepness = np.abs(slopes).max(axis=(1, 2)) * length**2 / unit
     flat: Bools = ~((steepness < _STEEPEST) & np.isfinite(errors).all(axis=1))
     heights[flat], slopes[flat] = 1.0, 0.0
-    columns = np.repeat(mesh.tets, 4, axis=0).ravel()
-    starts = np.arange(0, 16 * count + 1, 4)
-    matrix = csr_array((slopes.ravel(), columns, starts), shape=(4 * count, len(mesh.points)))
+    matrix = by_weights(slopes, mesh.tets, len(mesh.points))
     corners = (np.ones(4 * count, dtype=bool), mesh.tets.ravel(), np.arange(0, 4 * count + 1, 4))
     around = csr_array(corners, shape=(count, len(mesh.points))).T.tocsr()
     pairs = mesh.topology.interior_pairs
