@@ -54,14 +54,4 @@ def conform_inside(
         seed=seed,
         progress=progress,
     )
-    if start is None:
-        return None
-    return Resampled(
-        start["points"],
-        start["tets"],
-        own.regions[start["regions"]],
-        start["facets"],
-        start["facet_patch"],
-        start["creases"],
-        start["crease_curve"],
-    )
+    return None if start is None else resampled(start, own)

@@ -16,6 +16,7 @@ from wct_plugin.surface import Strata
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin._core import ConformedArrays, SearchedArrays
+    from wct_plugin.starts import Start
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -34,7 +35,7 @@ class Resampled:
     crease_curve: Ints  #: (c,)
 
 
-def resampled(found: "SearchedArrays | ConformedArrays", on: Reference) -> Resampled:
+def resampled(found: "SearchedArrays | ConformedArrays | Start", on: Reference) -> Resampled:
     """What the core made of the domain of a reference, in the strata of the mesh that came in."""
     return Resampled(
         found["points"],

@@ -166,10 +166,8 @@ template <std::size_t corners> class BoundingTree {
             const Vec3 &p = pieces_[corner / corners][corner % corners];
             return std::array{p.x, p.y, p.z};
         };
-        std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-            const auto at = coordinates(a), other = coordinates(b);
-            return at != other ? at < other : a < b;
-        });
+        std::sort(order.begin(), order.end(),
+                  [&](std::int32_t a, std::int32_t b) { return coordinates(a) < coordinates(b); });
         for (std::size_t k = 1; k < order.size(); ++k)
             number[order[k]] = number[order[k - 1]] + (coordinates(order[k]) != coordinates(order[k - 1]));
         struct Side {
