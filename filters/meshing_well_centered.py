@@ -307,7 +307,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "tets": found["tets"],
             "regions": found["region"],
             "stratum": stratum,
-            "label": np.where(stratum == 3, -1, found["label"]),
+            "label": np.where((stratum == 3) & np.isin(found["label"], mesh.nodes.vertices), -1, found["label"]),
             "size": found["size"],
             "facets": found["facets"],
             "facet_patch": found["facet_patch"],

@@ -339,13 +339,15 @@ def search_well_centered(
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
     The mesh: ``points`` (n, 3), ``tets`` (m, 4), ``regions`` (m,) from 0; per point ``stratum`` as in
-    :func:`move_vertices`, ``label`` and ``size``, the edge length wanted there; ``facets`` (k, 3), the boundary and
-    whatever lies on a patch inside, ``facet_patch`` (k,), ``creases`` (c, 2), ``crease_curve`` (c,). The surface to
-    stay near: ``surface_points`` (p, 3), ``surface_triangles`` (t, 3), ``surface_patch`` (t,), ``surface_segments``
-    (s, 2), ``surface_curve`` (s,); patches and curves count from 0 without gaps.
+    :func:`move_vertices`, ``label`` (that of a corner is its surface point, or -1: stays) and ``size``, the edge length
+    wanted there; ``facets`` (k, 3), the boundary and whatever lies on a patch inside, ``facet_patch`` (k,), ``creases``
+    (c, 2), ``crease_curve`` (c,). The surface to stay near: ``surface_points`` (p, 3), ``surface_triangles`` (t, 3),
+    ``surface_patch`` (t,), ``surface_segments`` (s, 2), ``surface_curve`` (s,); patches and curves count from 0 without
+    gaps.
 
     Facets and surface stay within ``tolerance``, a length, of each other, or come nearer where they were farther apart;
-    planar patches and straight creases are kept exactly. ``flip_surface`` and ``split_surface`` say whether surface
+    planar patches and straight creases are kept exactly, unless they are smaller than 28 tolerances and 3 % of the
+    surface's diagonal, and corners at them; other corners move by up to half the tolerance. ``flip_surface`` and ``split_surface`` say whether surface
     facets may be flipped, and crease edges and surface edges split or collapsed. At most ``passes`` sweeps and
     ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`. ``ruled_out`` (r,): rows of ``facets``
     on which no tet can meet the goal as long as they stay; only where the surface is neither flipped nor split.

@@ -43,7 +43,7 @@ def from_mesh(mesh: TetMesh, own: Reference, *, pinned: bool) -> Start:
         "tets": mesh.tets,
         "regions": np.searchsorted(own.regions, mesh.regions),
         "stratum": np.where(stratum > 0, 3, 0).astype(np.int8) if pinned else stratum,
-        "label": own.strata.label,
+        "label": np.full(len(stratum), -1) if pinned else own.strata.label,
         "size": np.bincount(ends, np.repeat(length, 2)) / np.bincount(ends),
         "facets": own.strata.triangles,
         "facet_patch": own.strata.patch,

@@ -162,11 +162,16 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     const auto edges = cells_of<2>(creases, at.size(), "creases");
     const auto edge_curve = numbers_of(crease_curve, edges.size(), curves, "crease_curve");
     for (std::size_t v = 0; v < at.size(); ++v) {
-        const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
-        const std::int64_t count = role[v] == Stratum::patch ? patches : curves;
-        if (slides && (owner[v] < 0 || owner[v] >= count))
+        const std::int64_t count = role[v] == Stratum::patch    ? patches
+                                   : role[v] == Stratum::crease ? curves
+                                                                : static_cast<std::int64_t>(on.size());
+        const bool pinned = role[v] == Stratum::corner && owner[v] == -1;
+        if (role[v] != Stratum::interior && !pinned && (owner[v] < 0 || owner[v] >= count))
             refuse("label of point " + std::to_string(v) + " is " + std::to_string(owner[v]) + "; there are " +
-                   std::to_string(count) + (role[v] == Stratum::patch ? " patches" : " curves"));
+                   std::to_string(count) +
+                   (role[v] == Stratum::patch    ? " patches"
+                    : role[v] == Stratum::crease ? " curves"
+                                                 : " surface_points"));
     }
     expect_conforming(at, cells, sheet, edges);
     std::vector<int> hopeless;
@@ -188,8 +193,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     TetComplex complex;
     const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.125 * mean_size(wanted, role));
     for (std::size_t v = 0; v < at.size(); ++v) {
-        const bool slides = role[v] == Stratum::patch || role[v] == Stratum::crease;
-        complex.add_vertex({at[v], role[v], slides ? static_cast<int>(owner[v]) : -1, wanted[v]});
+        const bool inside = role[v] == Stratum::interior;
+        complex.add_vertex({at[v], role[v], inside ? -1 : static_cast<int>(owner[v]), wanted[v]});
     }
     for (std::size_t t = 0; t < cells.size(); ++t)
         complex.add_tet(cells[t], region[t], 0.0);

@@ -16,7 +16,7 @@ void GroupDescent::gather(int t) {
     for (int v : complex_.tet(t))
         for (int s : complex_.star(v))
             for (int w : complex_.tet(s))
-                if (number_[w] < 0 && complex_.vertex(w).stratum != Stratum::corner) {
+                if (number_[w] < 0 && guide_.moves(complex_.vertex(w))) {
                     number_[w] = static_cast<int>(free_.size());
                     free_.push_back(w);
                 }

@@ -18,7 +18,7 @@ class StarDescent {
     /// Move v to x, or part of the way there, if that leaves no tet flat and the surface in tolerance.
     bool nudge(int v, const Vec3 &x);
     /// False for vertices that may not move.
-    bool movable(int v) const { return complex_.vertex(v).stratum != Stratum::corner; }
+    bool movable(int v) const { return guide_.moves(complex_.vertex(v)); }
 
   private:
     void settle(int v, const Vec3 &x);

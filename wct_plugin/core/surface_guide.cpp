@@ -1,5 +1,6 @@
 #include "surface_guide.h"
 
+#include "bvh.h"
 #include "near_along.h"
 
 #include <algorithm>
@@ -11,6 +12,11 @@ namespace wct {
 
 namespace {
 constexpr double kFlat = 1e-9; // of the patch's extent: what counts as planar or straight
+
+/// Planes and lines from this extent on are kept: in tolerances, as smaller ones may turn by two degrees in the
+/// tolerance, or as a share of the whole surface's, so that a generous tolerance leaves those that make its shape.
+constexpr double kKept = 28.0;
+constexpr double kShape = 0.03;
 
 // Shares of the tolerance. Vertices of curved patches stay in a shell; edges are held all along, so they get nearly all
 // of it; the inside of facets is held at a few points only.
@@ -45,8 +51,13 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
 } // namespace
 
 SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {
+    Box box;
+    for (const Vec3 &p : surface.points)
+        box.add(p);
+    kept_ = std::min(kKept * tolerance, kShape * norm(box.hi - box.lo));
     make_patches(surface);
     make_curves(surface);
+    make_corners(surface);
     make_landmarks(surface, spacing);
 }
 
@@ -76,7 +87,7 @@ void SurfaceGuide::make_patches(const Surface &surface) {
                 extent = std::max(extent, norm(points[v] - one.origin));
                 off = std::max(off, std::abs(dot(points[v] - one.origin, one.normal)));
             }
-        one.planar = !members.empty() && off <= kFlat * extent;
+        one.planar = extent > kept_ && off <= kFlat * extent;
         patches_.push_back(std::move(one));
     }
 }
@@ -111,14 +122,29 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         for (const Edge &s : members)
             for (int v : s)
                 off = std::max(off, norm(cross(points[v] - one.origin, one.direction)));
-        one.straight = extent > 0.0 && off <= kFlat * extent;
         std::set<int> shared = members.empty() ? std::set<int>{} : planes[sorted(members[0][0], members[0][1])];
         for (const Edge &s : members)
             std::erase_if(shared, [&](int p) { return !planes[sorted(s[0], s[1])].contains(p); });
+        // Where two planes are kept, so is their line.
+        one.straight = (extent > kept_ || shared.size() > 1) && off <= kFlat * extent;
         if (!shared.empty()) // a curved line has one plane
             one.normal = patches_[*shared.begin()].normal;
         curves_.push_back(std::move(one));
     }
+}
+
+void SurfaceGuide::make_corners(const Surface &surface) {
+    for (const Edge &s : surface.segments)
+        for (int v : s)
+            corners_.emplace(v, surface.points[v]);
+    for (std::size_t k = 0; k < surface.segments.size(); ++k)
+        if (curves_[surface.curve[k]].straight)
+            for (int v : surface.segments[k])
+                corners_.erase(v);
+    for (std::size_t k = 0; k < surface.triangles.size(); ++k)
+        if (patches_[surface.patch[k]].planar)
+            for (int v : surface.triangles[k])
+                corners_.erase(v);
 }
 
 void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
@@ -187,8 +213,13 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
         clamp(found.point, kTube * tolerance_);
         break;
     }
-    case Stratum::corner:
-        return false;
+    case Stratum::corner: {
+        const auto home = corners_.find(vertex.label);
+        if (home == corners_.end())
+            return false;
+        clamp(home->second, kTube * tolerance_);
+        break;
+    }
     }
     if (freedom)
         *freedom = left;

@@ -4,6 +4,7 @@
 #include "tet_complex.h"
 
 #include <array>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -21,9 +22,10 @@ struct Freedom {
 };
 
 /// The surface the boundary and the interfaces must stay near, cut into patches and curves: where a vertex may be, and
-/// which facets are near enough. Planar patches and straight curves are kept exactly. On curved patches vertices are
-/// free in a shell round the surface, so that facets can cut through it and keep the volume, and on curved creases in a
-/// tube (in the plane of the planar patch at the crease, if there is one).
+/// which facets are near enough. Planar patches and straight curves are kept exactly, unless they are so small that the
+/// tolerance lets them turn. On curved patches vertices are free in a shell round the surface, so that facets can cut
+/// through it and keep the volume, and on curved creases in a tube (in the plane of the planar patch at the crease, if
+/// there is one). Corners where nothing is kept exactly are free in a ball.
 class SurfaceGuide {
   public:
     struct Surface {
@@ -36,6 +38,10 @@ class SurfaceGuide {
     /// `tolerance` is a length. Landmarks on edges of the surface are no farther apart than `spacing`.
     SurfaceGuide(const Surface &surface, double tolerance, double spacing);
 
+    /// Whether the vertex may move at all.
+    bool moves(const Vertex &vertex) const {
+        return vertex.stratum != Stratum::corner || corners_.contains(vertex.label);
+    }
     /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is
     /// where the surface was found last, 0 at first.
     bool admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const;
@@ -89,12 +95,15 @@ class SurfaceGuide {
     };
     void make_patches(const Surface &surface);
     void make_curves(const Surface &surface);
+    void make_corners(const Surface &surface);
     void make_landmarks(const Surface &surface, double spacing);
 
     std::vector<Patch> patches_;
     std::vector<Curve> curves_;
+    std::map<int, Vec3> corners_; // by point of the surface: those on creases that may move if they are corners
     std::vector<Landmark> landmarks_;
     double tolerance_;
+    double kept_ = 0.0; // extent from which on planes and lines are kept exactly
 };
 
 } // namespace wct

@@ -29,7 +29,7 @@ using SurfaceHints = std::array<std::int32_t, 10>;
 struct Vertex {
     Vec3 position;
     Stratum stratum = Stratum::interior;
-    int label = -1;    // patch of a Stratum::patch vertex, curve of a Stratum::crease vertex
+    int label = -1;    // patch, curve or point of the surface that it stays on; -1: none, or a corner that is pinned
     double size = 0.0; // edge length wanted here
 };
 
