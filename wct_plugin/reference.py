@@ -15,7 +15,6 @@ Ints = NDArray[np.int64]
 #: Tolerance where the user gives none, as a fraction of the bounding-box diagonal, unless the reference is coarser.
 TOLERANCE = 1e-3
 
-
 @dataclass(frozen=True, eq=False)
 class Reference:
     """A surface in strata. ``sides`` (patches, 2): index of the region behind a patch's triangles and before them."""
@@ -84,19 +83,19 @@ def clean(surface: SurfaceMesh) -> SurfaceMesh:
     return SurfaceMesh(points[used], place.reshape(-1, 3), tags)
 
 
-def bounds(surface: Reference, own: Reference) -> bool:
+def bounds(surface: SurfaceMesh, own: Reference, deep: float = 0.25) -> bool:
     """Whether a given surface is the boundary of the mesh whose own boundary is ``own``: closed, and all of it.
 
     Scans have holes that the mesher closed, and sheets that run on inside the body. Where a facet of either lies deeper
-    in or farther off the other than a chord across a bend could explain, a quarter of the mesh's edge, the surface
-    bounds nothing.
+    in or farther off the other than ``deep``, a fraction of the mesh's edge, the surface bounds nothing. The default is
+    what a chord across a bend could explain.
     """
-    triangles = surface.strata.triangles
+    triangles = surface.triangles
     if (surface_edges(triangles, len(surface.points))[3] % 2).any():
         return False
     outer = own.strata.triangles[((own.sides < 0).sum(axis=1) == 1)[own.strata.patch]]  # not sheets within
     shell = own.points[outer]
-    far = 0.25 * np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)
+    far = deep * np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)
     _, nearest, in_or_off = _core.closest_points(own.points, outer, surface.points[triangles].mean(axis=1))
     _, _, bare = _core.closest_points(surface.points, triangles, shell.mean(axis=1))
     return bool((in_or_off <= far[nearest]).all() and (bare <= far).all())

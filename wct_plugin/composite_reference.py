@@ -1,0 +1,103 @@
+"""A surface that bounds a mesh only in part, made whole: its holes closed, what runs on inside the body cut off."""
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin import _core
+from wct_plugin.adapters import meshlab
+from wct_plugin.errors import WctWarning
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.reference import Reference, bounds, clean
+from wct_plugin.surface import components, sheets, surface_edges
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: How far the surface may be from the mesh's boundary, as a fraction of the mesh's edge: in holes and where triangles
+#: cross, the mesher had no surface to keep to but took or left whole tets, which is exact to half an edge.
+_DEEP = 0.5
+#: Farther from the given surface than this fraction of its diagonal, a triangle is not part of it.
+_APART = 1e-6
+
+_CLOSE = "meshing_close_holes"
+_UNITE = "generate_boolean_union"
+
+
+def composite(surface: SurfaceMesh, mesh: TetMesh, own: Reference) -> SurfaceMesh | None:
+    """The surface put together so that it bounds the mesh whose own boundary is ``own``, or None where it does not.
+
+    MeshLab closes the holes, and where that is not all, unites the surface with itself, exactly: what has the body on
+    both sides goes, cut along the lines where triangles cross. The result is taken if it is a closed manifold with the
+    handles and pieces of the mesh, everywhere near the mesh's own boundary and that near it; a fill is warned of.
+    ``surface`` is cleaned. Raises :class:`NeighbourError` where MeshLab fails.
+    """
+    open_edges = int((surface_edges(surface.triangles, len(surface.points))[3] == 1).sum())
+    made = SurfaceMesh(surface.points, surface.triangles, source=surface.source)
+    if open_edges:
+        made = _made(made, _CLOSE, maxholesize=open_edges, refinehole=True)
+    if not (open_edges and _bounds_alone(made, mesh, own)):
+        made = _made(made, _UNITE)
+        if not _bounds_alone(made, mesh, own):
+            return None
+    fill = _off(made, surface)
+    if fill.any():
+        corners = made.points[made.triangles[fill]].reshape(-1, 3)
+        far = _core.closest_points(own.points, own.strata.triangles, corners)[2].max() / surface.diagonal
+        warnings.warn(
+            f"the reference has holes, which were closed: up to {far:.2e} of the diagonal from the mesh's own facets",
+            WctWarning,
+            stacklevel=2,
+        )
+    return SurfaceMesh(made.points, made.triangles, _tags(made, fill, surface), source=surface.source)
+
+
+def _made(surface: SurfaceMesh, name: str, **arguments: int | bool) -> SurfaceMesh:
+    """What one of MeshLab's filters makes of a surface, cleaned."""
+    made, _ = meshlab.run(surface, [meshlab.Step(name, f"MeshLab's {name}", dict(arguments))])
+    return clean(made)
+
+
+def _off(made: SurfaceMesh, surface: SurfaceMesh) -> Bools:
+    """(t,) which triangles are not part of the given surface: those that fill its holes."""
+    apart = _core.closest_points(surface.points, surface.triangles, _centroids(made))[2]
+    return apart > _APART * surface.diagonal
+
+
+def _bounds_alone(made: SurfaceMesh, mesh: TetMesh, own: Reference) -> bool:
+    """Whether a surface is the boundary of the mesh, and a sound one."""
+    _, _, starts, sizes, forward = surface_edges(made.triangles, len(made.points))
+    if (sizes != 2).any() or np.add.reduceat(np.where(forward, 1, -1), starts).any():
+        return False
+    vertices = int(sheets(made.triangles, len(made.points)).max()) + 1
+    if vertices - len(sizes) + len(made.triangles) != _euler_characteristic(mesh):
+        return False
+    return bounds(made, own, _DEEP)
+
+
+def _euler_characteristic(mesh: TetMesh) -> int:
+    """Of the mesh's boundary, pulled apart where sheets of it touch: twice that of the inside."""
+    boundary = mesh.topology.boundary
+    edges = len(mesh.topology.edges) - len(surface_edges(boundary, len(mesh.points))[0])
+    vertices = len(mesh.points) - int(mesh.topology.boundary_points.sum())
+    return 2 * (len(mesh.tets) - len(mesh.topology.interior_pairs) + edges - vertices)
+
+
+def _tags(made: SurfaceMesh, fill: Bools, surface: SurfaceMesh) -> Ints:
+    """(t,) the tags of the given surface; the fill of a hole gets the one that most of its triangles are nearest to."""
+    _, nearest, _ = _core.closest_points(surface.points, surface.triangles, _centroids(made))
+    tags = surface.tags[nearest]
+    _, owners, starts, _, _ = surface_edges(made.triangles, len(made.points))
+    inside = fill[owners[starts]] & fill[owners[starts + 1]]
+    piece = components(owners[starts][inside], owners[starts + 1][inside], len(made.triangles))
+    for one in np.unique(piece[fill]):
+        values, count = np.unique(tags[piece == one], return_counts=True)
+        tags[piece == one] = values[np.argmax(count)]
+    return tags
+
+
+def _centroids(surface: SurfaceMesh) -> Floats:
+    centroids: Floats = surface.points[surface.triangles].mean(axis=1)
+    return centroids
