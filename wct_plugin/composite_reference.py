@@ -9,7 +9,7 @@ from wct_plugin import _core
 from wct_plugin.adapters import meshlab
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import Reference, bounds, clean
+from wct_plugin.reference import Reference, bounds, clean, covers, near
 from wct_plugin.surface import components, sheets, surface_edges
 
 Floats = NDArray[np.float64]
@@ -29,16 +29,20 @@ _UNITE = "generate_boolean_union"
 def composite(surface: SurfaceMesh, mesh: TetMesh, own: Reference) -> SurfaceMesh | None:
     """The surface put together so that it bounds the mesh whose own boundary is ``own``, or None where it does not.
 
-    MeshLab closes the holes, and where that is not all, unites the surface with itself, exactly: what has the body on
-    both sides goes, cut along the lines where triangles cross. The result is taken if it is a closed manifold with the
-    handles and pieces of the mesh, everywhere near the mesh's own boundary and that near it; a fill is warned of.
-    ``surface`` is cleaned. Raises :class:`NeighbourError` where MeshLab fails.
+    Pieces that are nowhere near the mesh's boundary go. MeshLab closes the holes, and where that is not all, unites the
+    surface with itself, exactly: what has the body on both sides goes, cut along the lines where triangles cross. The
+    result is taken if it is a closed manifold with the handles and pieces of the mesh, everywhere near the mesh's own
+    boundary and that near it; a fill is warned of. ``surface`` is cleaned. Raises :class:`NeighbourError` where MeshLab
+    fails.
     """
-    open_edges = int((surface_edges(surface.triangles, len(surface.points))[3] == 1).sum())
-    made = SurfaceMesh(surface.points, surface.triangles, source=surface.source)
-    if open_edges:
-        made = _made(made, _CLOSE, maxholesize=open_edges, refinehole=True)
-    if not (open_edges and _bounds_alone(made, mesh, own)):
+    made = _beside(surface, own)
+    if made is None:
+        return None
+    if open_edges := _open_edges(made):
+        made = _made(made, _CLOSE, maxholesize=open_edges + 1, refinehole=True)
+    if np.array_equal(made.triangles, surface.triangles) or not _bounds_alone(made, mesh, own):
+        if _open_edges(made) or not covers(made, own, _DEEP):  # nor will less of it
+            return None
         made = _made(made, _UNITE)
         if not _bounds_alone(made, mesh, own):
             return None
@@ -52,6 +56,19 @@ def composite(surface: SurfaceMesh, mesh: TetMesh, own: Reference) -> SurfaceMes
             stacklevel=2,
         )
     return SurfaceMesh(made.points, made.triangles, _tags(made, fill, surface), source=surface.source)
+
+
+def _beside(surface: SurfaceMesh, own: Reference) -> SurfaceMesh | None:
+    """The pieces of the surface that come near the mesh's boundary anywhere, if there are any."""
+    _, owners, starts, sizes, _ = surface_edges(surface.triangles, len(surface.points))
+    piece = components(owners, np.repeat(owners[starts], sizes), len(surface.triangles))
+    kept = surface.triangles[np.isin(piece, piece[near(surface, own, _DEEP)])]
+    return SurfaceMesh(surface.points, kept, source=surface.source) if len(kept) else None
+
+
+def _open_edges(surface: SurfaceMesh) -> int:
+    """How many edges have surface on one side only."""
+    return int((surface_edges(surface.triangles, len(surface.points))[3] % 2).sum())
 
 
 def _made(surface: SurfaceMesh, name: str, **arguments: int | bool) -> SurfaceMesh:
