@@ -34,11 +34,11 @@ def choose(
     triangles, label = labelled_surface(mesh)
     if len(triangles) > len(mesh.topology.boundary):
         return own, "the mesh has tagged facets inside"
-    whole = clean(surface)
+    whole, apart = clean(surface), (tolerance or TOLERANCE) * surface.diagonal
     if not bounds(whole, own):
         partly = "it does not bound the mesh, but has holes, or lies inside or apart from it in places"
         try:
-            mended = composite(whole, mesh, own)
+            mended = composite(whole, mesh, own, apart)
         except NeighbourError as error:
             return own, f"{partly}, and {error}"
         if mended is None:
@@ -46,7 +46,7 @@ def choose(
         whole = mended
     if not len(mesh.facets):
         return given_surface(whole, mesh, crease_angle), ""
-    cut = _cut(whole, mesh, own, label, crease_angle, (tolerance or TOLERANCE) * surface.diagonal)
+    cut = _cut(whole, mesh, own, label, crease_angle, apart)
     return (cut, "") if cut else (own, "tags of the mesh change where the surface has no edges to follow")
 
 
