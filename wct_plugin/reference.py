@@ -98,7 +98,7 @@ def bounds(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> bool:
     return bool(near(surface, own, deep).all()) and covers(surface, own, deep)
 
 
-def near(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> Bools:
+def near(surface: SurfaceMesh, own: Reference, deep: float) -> Bools:
     """(t,) which triangles of the surface are no deeper in or farther off the mesh than ``deep``."""
     shell, far = _shell(own, deep)
     centroids = surface.points[surface.triangles].mean(axis=1)
@@ -107,7 +107,7 @@ def near(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> Bools:
     return within
 
 
-def covers(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> bool:
+def covers(surface: SurfaceMesh, own: Reference, deep: float) -> bool:
     """Whether no facet of the mesh's own boundary is farther off the surface than ``deep``."""
     shell, far = _shell(own, deep)
     _, _, bare = _core.closest_points(surface.points, surface.triangles, own.points[shell].mean(axis=1))
