@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from builders import ball, kuhn_cube, l_shape
 from core_meshes import start
+from scipy.spatial import cKDTree
 
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
@@ -359,6 +360,20 @@ def resampled(mesh):
     assert euler(result["tets"]) == euler(mesh.tets) == 1
     assert volumes(result["points"], result["tets"]).min() > 0
     return result["points"], result["tets"]
+
+
+def test_edges_are_no_longer_than_the_creases_they_meet():
+    """A step far lower than the edges wanted: nothing but the length of its upright creases tells of it."""
+    height = 0.05
+    mesh = squeezed_box(height, lambda c: (c[:, 0] < 1 / 3) | (in_layer(c) & (c[:, 2] > 1 / 2)))
+    found = start(mesh, own_boundary(mesh, 40.0), size=np.full(len(mesh.points), 0.3))
+    points, facets = found["points"], found["facets"]
+    ends = facets[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    upright = [[0.5 + side * height / 2, y, 0.5] for side in (-1, 1) for y in (0.0, 1.0)]
+    away, at = cKDTree(points).query(upright)
+    assert away.max() < 1e-12
+    touching = ends[np.isin(ends, at).any(axis=1)]
+    assert np.linalg.norm(points[touching[:, 0]] - points[touching[:, 1]], axis=1).max() < 2 * height
 
 
 @pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])
