@@ -376,6 +376,26 @@ def test_edges_are_no_longer_than_the_creases_they_meet():
     assert np.linalg.norm(points[touching[:, 0]] - points[touching[:, 1]], axis=1).max() < 2 * height
 
 
+def test_what_a_fold_of_the_surface_buries_is_interior():
+    """A sheet of no thickness hangs inside the cube: nothing of the mesh's surface is there to keep its points on."""
+    surface, fold = cube_surface(), np.array([[0.3, 0.3, 0.5], [0.7, 0.3, 0.5], [0.5, 0.7, 0.5]])
+    surface["surface_points"] = np.concatenate([CUBE, fold])
+    surface["triangles"] = np.concatenate([surface["triangles"], [[8, 9, 10], [8, 10, 9]]])
+    surface["patch"] = np.append(surface["patch"], [6, 7])
+    surface["segments"] = np.concatenate([surface["segments"], [[8, 9], [9, 10], [8, 10]]])
+    surface["curve"], surface["corners"], surface["sides"] = np.arange(15), np.arange(11), np.tile([0, -1], (8, 1))
+    points, tets = box(4)
+    found = _core.resample(
+        **surface, points=points, tets=tets, region=np.zeros(len(tets), dtype=np.int64), tolerance=1e-3
+    )
+    away, at = cKDTree(found["points"]).query(fold)
+    assert away.max() < 1e-12
+    assert (found["stratum"][at] == 0).all()
+    assert (found["label"][at] == -1).all()
+    outside = np.isin(np.arange(len(found["points"])), found["facets"])
+    assert ((found["stratum"] > 0) == outside).all()
+
+
 @pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])
 def test_no_facet_fills_a_right_angle_of_a_face(mesh):
     # Such a facet is not acute, and to open it later takes long.
