@@ -105,8 +105,9 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
     Where those or tagged facets inside a region rule a new start out, the search starts from the mesh itself.
-    Meshes of several regions, with tagged edges or vertices, or with tags that change where the reference has no edges
-    follow their own facets instead of it.
+    Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
+    that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
+    reference has no edges follow their own facets instead of it, as do those that it does not bound.
     The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
     move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.

@@ -5,7 +5,7 @@ import pytest
 from builders import ball, kuhn_cube, sphere_surface, two_region_cube
 
 from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.reference import TOLERANCE, bounds, gap, given_surface, own_boundary
+from wct_plugin.reference import TOLERANCE, bounds, clean, gap, given_surface, own_boundary
 from wct_plugin.surface import enclosed_volume
 
 
@@ -59,11 +59,11 @@ def test_a_surface_bounds_a_mesh_unless_it_has_holes_runs_on_inside_or_is_not_al
     small = sphere_surface(60, 0.4)
     opened = SurfaceMesh(surface.points, surface.triangles[1:])
     inside = _with_more(surface, small.points, small.triangles)
-    assert bounds(given_surface(surface, mesh, 60.0), own)
-    assert not bounds(given_surface(opened, mesh, 60.0), own)
-    assert not bounds(given_surface(inside, mesh, 60.0), own)
+    assert bounds(clean(surface), own)
+    assert not bounds(clean(opened), own)
+    assert not bounds(clean(inside), own)
     speck = SurfaceMesh(surface.points[0] + 1e-3 * small.points, small.triangles)  # in metres, not in millimetres
-    assert not bounds(given_surface(speck, mesh, 60.0), own)
+    assert not bounds(clean(speck), own)
 
 
 def test_the_gap_is_what_lies_between_mesh_and_surface():

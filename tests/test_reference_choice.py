@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from builders import ball, cylinder, kuhn_cube, sphere_surface, two_region_cube
 
-from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.adapters import meshlab
+from wct_plugin.errors import NeighbourError, WctWarning
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.reference import own_boundary
 from wct_plugin.reference_choice import choose
 from wct_plugin.surface import strata
@@ -76,6 +78,26 @@ def test_a_missing_tag_is_not_taken():
     mesh = tagged(cylinder(32, 10), lambda centers: (centers[:, 2] > 1.0).astype(int))
     half = TetMesh(mesh.points * [1, 1, 0.5], mesh.tets).boundary_surface()
     assert chosen(mesh, half, 40.0, 1e-3)[1] != ""
+
+
+def fails(*_):
+    raise NeighbourError("MeshLab crashed")
+
+
+def test_a_surface_with_a_hole_is_made_whole_or_the_reason_said(monkeypatch):
+    """Closed, its border in a smooth patch still cuts it; where MeshLab fails, the mesh's own facets are followed."""
+    mesh = tagged(cylinder(32, 10), lambda centers: (centers[:, 2] > 1.0).astype(int))
+    whole = mesh.boundary_surface()
+    opened = SurfaceMesh(whole.points, whole.triangles[1:])
+    with pytest.warns(WctWarning, match="the reference has holes, which were closed"):
+        reference, reason = chosen(mesh, opened, 40.0, 1e-3)
+    assert reason == ""
+    at = reference.points[np.unique(reference.strata.segments)]
+    assert set(np.unique(at[:, 2]).tolist()) == {0.0, 1.0, 2.0}
+    monkeypatch.setattr(meshlab, "run", fails)
+    reference, reason = chosen(mesh, opened, 40.0, 1e-3)
+    assert reason.endswith("in places, and MeshLab crashed")
+    assert len(reference.strata.triangles) == len(whole.triangles)
 
 
 @pytest.mark.parametrize(

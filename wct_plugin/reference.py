@@ -11,9 +11,12 @@ from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_e
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 #: Tolerance where the user gives none, as a fraction of the bounding-box diagonal, unless the reference is coarser.
 TOLERANCE = 1e-3
+#: How deep in or far off the mesh's boundary a chord across a bend could explain, as a fraction of the mesh's edge.
+CHORD = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,22 +87,38 @@ def clean(surface: SurfaceMesh) -> SurfaceMesh:
     return SurfaceMesh(points[used], place.reshape(-1, 3), tags)
 
 
-def bounds(surface: Reference, own: Reference) -> bool:
+def bounds(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> bool:
     """Whether a given surface is the boundary of the mesh whose own boundary is ``own``: closed, and all of it.
 
     Scans have holes that the mesher closed, and sheets that run on inside the body. Where a facet of either lies deeper
-    in or farther off the other than a chord across a bend could explain, a quarter of the mesh's edge, the surface
-    bounds nothing.
+    in or farther off the other than ``deep``, a fraction of the mesh's edge, the surface bounds nothing.
     """
-    triangles = surface.strata.triangles
-    if (surface_edges(triangles, len(surface.points))[3] % 2).any():
+    if (surface_edges(surface.triangles, len(surface.points))[3] % 2).any():
         return False
-    outer = own.strata.triangles[((own.sides < 0).sum(axis=1) == 1)[own.strata.patch]]  # not sheets within
-    shell = own.points[outer]
-    far = 0.25 * np.linalg.norm(shell - np.roll(shell, 1, axis=1), axis=2).max(axis=1)
-    _, nearest, in_or_off = _core.closest_points(own.points, outer, surface.points[triangles].mean(axis=1))
-    _, _, bare = _core.closest_points(surface.points, triangles, shell.mean(axis=1))
-    return bool((in_or_off <= far[nearest]).all() and (bare <= far).all())
+    return bool(near(surface, own, deep).all()) and covers(surface, own, deep)
+
+
+def near(surface: SurfaceMesh, own: Reference, deep: float) -> Bools:
+    """(t,) which triangles of the surface are no deeper in or farther off the mesh than ``deep``."""
+    shell, far = _shell(own, deep)
+    centroids = surface.points[surface.triangles].mean(axis=1)
+    _, nearest, in_or_off = _core.closest_points(own.points, shell, centroids)
+    within: Bools = in_or_off <= far[nearest]
+    return within
+
+
+def covers(surface: SurfaceMesh, own: Reference, deep: float) -> bool:
+    """Whether no facet of the mesh's own boundary is farther off the surface than ``deep``."""
+    shell, far = _shell(own, deep)
+    _, _, bare = _core.closest_points(surface.points, surface.triangles, own.points[shell].mean(axis=1))
+    return bool((bare <= far).all())
+
+
+def _shell(own: Reference, deep: float) -> tuple[Ints, Floats]:
+    """The facets with outside on one side (not sheets within), and how far that is for each."""
+    outer = own.strata.triangles[((own.sides < 0).sum(axis=1) == 1)[own.strata.patch]]
+    corners = own.points[outer]
+    return outer, deep * np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
 
 
 def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:

@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin import _core
+from wct_plugin.composite_reference import composite
+from wct_plugin.errors import NeighbourError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import TOLERANCE, Reference, bounds, clean, given_surface
 from wct_plugin.surface import bends, labelled_surface, surface_strata
@@ -21,22 +23,30 @@ def choose(
 ) -> tuple[Reference, str]:
     """The reference to follow: ``surface``, or the mesh's ``own`` and why.
 
-    A mesh of one region without tags takes the surface as it is. Facets tagged on the boundary cut it: every triangle
-    of the surface gets the tags of the nearest facet, if the borders between tags then run where they do on the mesh.
+    A mesh of one region without tags takes the surface as it is, or made whole where it bounds the mesh only in part.
+    Facets tagged on the boundary cut it: every triangle of the surface gets the tags of the nearest facet, if the
+    borders between tags then run where they do on the mesh.
     """
-    given = given_surface(surface, mesh, crease_angle)
-    if not bounds(given, own):
-        return own, "it does not bound the mesh, but has holes, or lies inside or apart from it in places"
     if len(own.regions) > 1:
         return own, "the mesh has several regions"
     if len(mesh.edges) or len(mesh.nodes):
         return own, "the mesh has tagged edges or vertices"
-    if not len(mesh.facets):
-        return given, ""
     triangles, label = labelled_surface(mesh)
     if len(triangles) > len(mesh.topology.boundary):
         return own, "the mesh has tagged facets inside"
-    cut = _cut(clean(surface), mesh, own, label, crease_angle, (tolerance or TOLERANCE) * surface.diagonal)
+    whole, apart = clean(surface), (tolerance or TOLERANCE) * surface.diagonal
+    if not bounds(whole, own):
+        partly = "it does not bound the mesh, but has holes, or lies inside or apart from it in places"
+        try:
+            mended = composite(whole, mesh, own, apart)
+        except NeighbourError as error:
+            return own, f"{partly}, and {error}"
+        if mended is None:
+            return own, partly
+        whole = mended
+    if not len(mesh.facets):
+        return given_surface(whole, mesh, crease_angle), ""
+    cut = _cut(whole, mesh, own, label, crease_angle, apart)
     return (cut, "") if cut else (own, "tags of the mesh change where the surface has no edges to follow")
 
 

@@ -83,7 +83,7 @@ def _strata(
     hard |= np.isin(edge_keys, user_keys)
     loose = ~np.isin(user_keys, edge_keys)  # tagged edges away from every surface
 
-    pinned = _pinched(triangles, owners, starts, sizes, edges, count)
+    pinned = _of_several(triangles, _sheets(triangles, owners, starts, sizes, edges), count)
     pinned[nodes] = True
     crease = hard | sharp
     size = _local_size(points, edges)
@@ -231,12 +231,24 @@ def _angle(a: Floats, b: Floats) -> Floats:
 
 def pinched(triangles: Ints, count: int) -> Bools:
     """(count,) vertices of triangles (t, 3) where several sheets touch without sharing an edge."""
+    return _of_several(triangles, sheets(triangles, count), count)
+
+
+def sheets(triangles: Ints, count: int) -> Ints:
+    """(3 t,) a number per corner of triangles (t, 3), from 0, equal round a vertex where they share edges there."""
     edges, owners, starts, sizes, _ = surface_edges(triangles, count)
-    return _pinched(triangles, owners, starts, sizes, edges, count)
+    return _sheets(triangles, owners, starts, sizes, edges)
 
 
-def _pinched(triangles: Ints, owners: Ints, starts: Ints, sizes: Ints, edges: Ints, count: int) -> Bools:
-    """(n,) vertices whose triangles fall into sheets that share no edge at the vertex."""
+def _of_several(triangles: Ints, sheet: Ints, count: int) -> Bools:
+    """(count,) which vertices have corners of several sheets."""
+    _, one = np.unique(sheet, return_index=True)
+    several: Bools = np.bincount(triangles.ravel()[one], minlength=count) > 1
+    return several
+
+
+def _sheets(triangles: Ints, owners: Ints, starts: Ints, sizes: Ints, edges: Ints) -> Ints:
+    """The same from :func:`surface_edges`."""
     follows = np.ones(len(owners), dtype=bool)
     follows[starts] = False  # link each triangle of an edge to the one before it
     later = np.flatnonzero(follows)
@@ -247,10 +259,7 @@ def _pinched(triangles: Ints, owners: Ints, starts: Ints, sizes: Ints, edges: In
             [3 * t + np.argmax(triangles[t] == end[:, None], axis=1) for t in (owners[later], owners[later - 1])]
         )
     rows, columns = np.concatenate(links, axis=1)
-    sheet = components(rows, columns, 3 * len(triangles))
-    _, one = np.unique(sheet, return_index=True)
-    pinched: Bools = np.bincount(triangles.ravel()[one], minlength=count) > 1
-    return pinched
+    return components(rows, columns, 3 * len(triangles))
 
 
 def _local_size(points: Floats, edges: Ints) -> Floats:

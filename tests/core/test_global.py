@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from builders import ball, kuhn_cube, l_shape
 from core_meshes import start
+from scipy.spatial import cKDTree
 
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
@@ -359,6 +360,40 @@ def resampled(mesh):
     assert euler(result["tets"]) == euler(mesh.tets) == 1
     assert volumes(result["points"], result["tets"]).min() > 0
     return result["points"], result["tets"]
+
+
+def test_edges_are_no_longer_than_the_creases_they_meet():
+    """A step far lower than the edges wanted: nothing but the length of its upright creases tells of it."""
+    height = 0.05
+    mesh = squeezed_box(height, lambda c: (c[:, 0] < 1 / 3) | (in_layer(c) & (c[:, 2] > 1 / 2)))
+    found = start(mesh, own_boundary(mesh, 40.0), size=np.full(len(mesh.points), 0.3))
+    points, facets = found["points"], found["facets"]
+    ends = facets[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    upright = [[0.5 + side * height / 2, y, 0.5] for side in (-1, 1) for y in (0.0, 1.0)]
+    away, at = cKDTree(points).query(upright)
+    assert away.max() < 1e-12
+    touching = ends[np.isin(ends, at).any(axis=1)]
+    assert np.linalg.norm(points[touching[:, 0]] - points[touching[:, 1]], axis=1).max() < 2 * height
+
+
+def test_what_a_fold_of_the_surface_buries_is_interior():
+    """A sheet of no thickness hangs inside the cube: nothing of the mesh's surface is there to keep its points on."""
+    surface, fold = cube_surface(), np.array([[0.3, 0.3, 0.5], [0.7, 0.3, 0.5], [0.5, 0.7, 0.5]])
+    surface["surface_points"] = np.concatenate([CUBE, fold])
+    surface["triangles"] = np.concatenate([surface["triangles"], [[8, 9, 10], [8, 10, 9]]])
+    surface["patch"] = np.append(surface["patch"], [6, 7])
+    surface["segments"] = np.concatenate([surface["segments"], [[8, 9], [9, 10], [8, 10]]])
+    surface["curve"], surface["corners"], surface["sides"] = np.arange(15), np.arange(11), np.tile([0, -1], (8, 1))
+    points, tets = box(4)
+    found = _core.resample(
+        **surface, points=points, tets=tets, region=np.zeros(len(tets), dtype=np.int64), tolerance=1e-3
+    )
+    away, at = cKDTree(found["points"]).query(fold)
+    assert away.max() < 1e-12
+    assert (found["stratum"][at] == 0).all()
+    assert (found["label"][at] == -1).all()
+    outside = np.isin(np.arange(len(found["points"])), found["facets"])
+    assert ((found["stratum"] > 0) == outside).all()
 
 
 @pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])

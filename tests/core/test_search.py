@@ -94,6 +94,20 @@ def test_flat_faces_keep_the_volume_and_the_box():
     assert np.abs(np.clip(found["points"], 0, 1) - found["points"]).max() <= 1e-12
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_point_where_creases_cross_is_not_taken_away(seed):
+    """Every boundary edge between points of two creases is one as well: without its end it would be left over."""
+    mesh = jittered_cube(3, seed)
+    given = arguments(mesh)
+    ends = given["facets"][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    between = rows(ends[(given["stratum"][ends] == 2).all(axis=1)]) - rows(given["creases"])
+    more = np.array(sorted(between))
+    curve = np.append(given["crease_curve"], given["label"][more[:, 0]])
+    found = search(mesh, change={"creases": np.concatenate([given["creases"], more]), "crease_curve": curve})
+    check_valid(found)
+    assert len(found["creases"]) >= len(more)
+
+
 def near_sphere(mesh, count=2000):
     """Change the surface to stay near to a fine sphere."""
     sphere = sphere_surface(count)

@@ -149,6 +149,17 @@ def test_a_reference_that_cannot_be_followed_is_said():
         run(mesh, reference=mesh.boundary_surface(), progress=lambda state: False)
 
 
+def test_a_reference_with_a_hole_is_closed_and_followed():
+    """The mesh is rougher than the tolerance, so that what is within it followed the reference."""
+    mesh = ball(3)
+    opened = SurfaceMesh(SPHERE.points, SPHERE.triangles[1:])
+    with pytest.warns(WctWarning, match="the reference has holes, which were closed"):
+        better, metrics = run(mesh, reference=opened, tolerance=7e-3)
+    assert metrics["bad"] == 0
+    assert deviation(mesh.boundary_surface(), SPHERE).max > 7e-3 * SPHERE.diagonal
+    assert deviation(better.boundary_surface(), SPHERE).max <= 7e-3 * SPHERE.diagonal
+
+
 def test_the_same_bits_twice():
     first, second = (run(ball(4), reference=SPHERE, tolerance=1e-2, seed=3)[0] for _ in range(2))
     assert np.array_equal(first.points, second.points)

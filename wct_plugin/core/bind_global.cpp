@@ -208,6 +208,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         Monitor monitor(listener);
         Reference reference(std::move(surface));
         result = resample(reference, mesh, wanted, form, monitor, workers_of(threads));
+        free_buried(result.cloud, result.complex, reference);
         labels = label_surface(result.cloud, result.complex, reference);
     }
     trim();
@@ -232,7 +233,8 @@ void bind_global(nb::module_ &m) {
         "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
         "one. progress(done, bad) returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap.\n\n"
-        "Returns a dict: points, tets, region per tet, per point stratum (0 interior, 1 patch, 2 crease, 3 corner),\n"
+        "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"
+        "buried there, 1 patch, 2 crease, 3 corner),\n"
         "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
         "where\n"
         "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"

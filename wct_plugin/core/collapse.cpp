@@ -110,8 +110,11 @@ bool Operators::collapse(int a, int b, double slack) {
     if (gone.stratum == Stratum::crease) { // its two crease edges a-b and a-w become b-w
         for (int t : old)
             for (int v : complex_.tet(t))
-                if (v != a && v != b && complex_.curve_of(a, v) >= 0)
+                if (v != a && v != b && complex_.curve_of(a, v) >= 0) {
+                    if (joined[0] >= 0 && joined != sorted(b, v))
+                        return false; // other creases meet at a: their edges would be left without it
                     joined = sorted(b, v);
+                }
         if (joined[0] < 0 || complex_.curve_of(joined[0], joined[1]) >= 0 ||
             !guide_.allows_crease(gone.label, complex_.point(joined[0]), complex_.point(joined[1])))
             return false;

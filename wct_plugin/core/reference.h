@@ -48,6 +48,7 @@ struct Curve {
     BoxTree tree;            // over the steps
 
     int steps() const { return static_cast<int>(vertices.size()) - (closed ? 0 : 1); }
+    int least_edges() const { return closed ? 3 : 1; } // of a mesh that has the curve
     int at(int k) const { return vertices[k % static_cast<int>(vertices.size())]; }
 };
 

@@ -47,8 +47,7 @@ void seed_curves(Cloud &cloud, const Reference &reference, const Sizing &sizing)
                 total += length;
             }
         }
-        const int least = curve.closed ? 3 : 1;
-        const int count = std::max(least, static_cast<int>(std::lround(total)));
+        const int count = std::max(curve.least_edges(), static_cast<int>(std::lround(total)));
         std::size_t at = 0;
         for (int k = curve.closed ? 0 : 1; k < count; ++k) {
             const double wanted = total * k / count;

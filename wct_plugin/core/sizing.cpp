@@ -66,6 +66,7 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     limit_by_thickness(workers);
     surface = limit_;
     limit_by_curvature();
+    limit_by_creases();
     grade();
 }
 
@@ -135,6 +136,18 @@ void Sizing::limit_by_curvature() {
     for (const Curve &curve : reference_.curves())
         for (std::size_t k = 0; k < curve.vertices.size(); ++k)
             lower(curve.vertices[k], norm(curve.bend[k]) / 8.0);
+}
+
+void Sizing::limit_by_creases() {
+    const auto &points = reference_.data().points;
+    for (const Curve &curve : reference_.curves()) {
+        double length = 0.0;
+        for (int k = 0; k < curve.steps(); ++k)
+            length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
+        const double most = length / curve.least_edges();
+        for (const int v : curve.vertices)
+            surface[v] = std::min(surface[v], most);
+    }
 }
 
 double Sizing::thickness_at(int triangle) const {

@@ -27,8 +27,9 @@ inline constexpr double kCellPerEdge = 1.0 / 1.05;
 
 /// Target edge length everywhere.
 ///
-/// Near the surface it is what curvature, thickness and the input allow, from there it grows with the depth, up to the
-/// input's own local size: the edge of the lattice that has as many tets per volume as the input has there.
+/// Near the surface it is what curvature, thickness, the lengths of creases and the input allow, from there it grows
+/// with the depth, up to the input's own local size: the edge of the lattice that has as many tets per volume as the
+/// input has there.
 class Sizing {
   public:
     /// `wanted`: edge length per input point; empty: the input's own.
@@ -52,6 +53,9 @@ class Sizing {
   private:
     void make_input_sizes(std::span<const double> wanted);
     void limit_by_curvature();
+    /// No crease is shorter than the edges it must have: where edges round its ends are longer, tets there are too few
+    /// to open the angles between its neighbours.
+    void limit_by_creases();
     void limit_by_thickness(const Workers &workers);
     double thickness_at(int triangle) const;
 

@@ -55,6 +55,22 @@ std::map<Edge, int> slits(const Cloud &cloud, const Reference &reference) {
 
 } // namespace
 
+void free_buried(Cloud &cloud, const Complex &complex, const Reference &reference) {
+    std::vector<char> open(cloud.count(), 0);
+    for (const Facet &facet : surface_facets(complex))
+        for (const int v : facet)
+            open[v] = 1;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        for (const int v : complex.all.tets[t])
+            if (!open[v] && cloud.role[v] != Stratum::interior && !patches_of(cloud, reference, v).empty()) {
+                cloud.role[v] = Stratum::interior;
+                cloud.label[v] = complex.region[t];
+            }
+    }
+}
+
 SurfaceLabels label_surface(const Cloud &cloud, const Complex &complex, const Reference &reference) {
     SurfaceLabels out;
     struct Patches {

@@ -15,6 +15,10 @@ struct SurfaceLabels {
     std::vector<int> curve;
 };
 
+/// Points of the reference's patches that no facet of the complex has, as where a fold of the reference is closed, lie
+/// inside and become interior. Creases and corners that are inside in the reference too stay what they are.
+void free_buried(Cloud &cloud, const Complex &complex, const Reference &reference);
+
 SurfaceLabels label_surface(const Cloud &cloud, const Complex &complex, const Reference &reference);
 
 } // namespace wct
