@@ -26,7 +26,7 @@ from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
 from wct_plugin.starts import Start
-from wct_plugin.surface import pinched, strata
+from wct_plugin.surface import find_rows, pinched, strata, surface_edges
 from wct_plugin.transfer import carry, resampled
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
@@ -104,7 +104,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
-    Where those or tagged facets inside a region rule a new start out, the search starts from the mesh itself.
+    Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
     reference has no edges follow their own facets instead of it, as do those that it does not bound.
@@ -170,7 +170,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         start = None
         if not moves:
             start = self._pinned_start(mesh, own, wanted, listen)
-        elif not _has_sheets(mesh, own):
+        elif not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             start = self._resample(mesh, reference, held, wanted, listen)
         if start is None or (moves and listen.stopped):
             reference = own
@@ -349,6 +349,12 @@ class _Asked(TypedDict):
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:
     """Whether facets inside a region are tagged."""
     return len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
+
+
+def _has_wires(mesh: TetMesh, own: Reference) -> bool:
+    """Whether edges off every surface are tagged."""
+    on_surface = surface_edges(own.strata.triangles, len(mesh.points))[0]
+    return bool((find_rows(on_surface, own.strata.segments, len(mesh.points)) < 0).any())
 
 
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:

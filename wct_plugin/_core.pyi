@@ -347,10 +347,11 @@ def search_well_centered(
 
     Facets and surface stay within ``tolerance``, a length, of each other, or come nearer where they were farther apart;
     planar patches and straight creases are kept exactly, unless they are smaller than 28 tolerances and 3 % of the
-    surface's diagonal, and corners at them; other corners move by up to half the tolerance. ``flip_surface`` and ``split_surface`` say whether surface
-    facets may be flipped, and crease edges and surface edges split or collapsed. At most ``passes`` sweeps and
-    ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`. ``ruled_out`` (r,): rows of ``facets``
-    on which no tet can meet the goal as long as they stay; only where the surface is neither flipped nor split.
+    surface's diagonal, and corners at them; other corners move by up to half the tolerance. ``flip_surface`` and
+    ``split_surface`` say whether surface facets may be flipped, and crease edges and surface edges split or collapsed.
+    At most ``passes`` sweeps and ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
+    ``ruled_out`` (r,): rows of ``facets`` on which no tet can meet the goal as long as they stay; only where the
+    surface is neither flipped nor split.
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     """
 

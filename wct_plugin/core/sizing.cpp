@@ -144,7 +144,7 @@ void Sizing::limit_by_creases() {
         double length = 0.0;
         for (int k = 0; k < curve.steps(); ++k)
             length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
-        const double most = length / curve.least_edges();
+        const double most = std::max(length / curve.least_edges(), form_.narrowest * form_.tolerance);
         for (const int v : curve.vertices)
             surface[v] = std::min(surface[v], most);
     }

@@ -16,7 +16,7 @@ struct SizingForm {
     double coarsen = 1.0;   // how far inside sizes may exceed the input's own
 
     static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
-    /// Gap that is told apart by sizes, in tolerances: in folds gaps go to nothing.
+    /// Gap, and crease, that is told apart by sizes, in tolerances: in folds gaps go to nothing.
     static constexpr double narrowest = 8.0;
     static constexpr double surface_grade = 0.15; // growth of the size per distance, along the surface
     static constexpr double inner_grade = 0.3;    // and inside
