@@ -21,7 +21,7 @@ def arguments(mesh, *, pinned=False):
         "tets": mesh.tets,
         "regions": np.searchsorted(own.regions, mesh.regions),
         "stratum": np.where(of.stratum > 0, 3, 0).astype(np.int8) if pinned else of.stratum,
-        "label": of.label,
+        "label": np.full(len(of.label), -1) if pinned else of.label,
         "size": np.full(len(mesh.points), 0.3),
         "facets": of.triangles,
         "facet_patch": of.patch,
@@ -92,6 +92,25 @@ def test_flat_faces_keep_the_volume_and_the_box():
     triangles = Topology(found["tets"], found["regions"], len(found["points"])).boundary
     assert enclosed_volume(found["points"], triangles) == pytest.approx(1.0, abs=1e-12)
     assert np.abs(np.clip(found["points"], 0, 1) - found["points"]).max() <= 1e-12
+
+
+@pytest.mark.parametrize(("far", "pinned"), [(100.0, False), (100.0, True), (1.0, False)])
+def test_corners_of_a_small_feature_move_within_half_the_tolerance(far, pinned):
+    """A cube of 24 tolerances, less than 3 % of a surface with a point far away; without that one it is the shape."""
+    mesh, tolerance = jittered_cube(3, 2), 0.06
+    given = arguments(mesh)
+    corner = given["stratum"] == 3
+    change = {
+        "surface_points": np.vstack([mesh.points, np.full((1, 3), far)]),
+        "label": np.where(corner, -1 if pinned else np.arange(len(corner)), given["label"]),
+    }
+    found = search(mesh, change=change, tolerance=tolerance)
+    check_valid(found)
+    corners = found["points"][found["stratum"] == 3]
+    moved = np.linalg.norm(corners - np.round(corners), axis=1)
+    assert rows(np.round(corners)) == rows(mesh.points[corner])
+    assert moved.max() <= tolerance / 2 + 1e-12
+    assert (moved.max() > 1e-3) == (far == 100.0 and not pinned)
 
 
 @pytest.mark.parametrize("seed", [2, 3])
