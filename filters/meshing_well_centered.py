@@ -103,6 +103,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
+    Planes, straight creases and corners at them are kept exactly, but for those smaller than 28 tolerances and 3 % of
+    the diagonal: these move within the tolerance, as all that is curved does.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
