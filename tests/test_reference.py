@@ -12,7 +12,7 @@ from wct_plugin.surface import enclosed_volume
 @pytest.mark.parametrize("count", [100, 400])
 def test_the_tolerance_of_a_sphere_is_about_its_sag(count):
     surface = sphere_surface(count)
-    reference = given_surface(surface, ball(3), 60.0)
+    reference = given_surface(clean(surface), ball(3), 60.0)
     sag = 1.0 - np.linalg.norm(surface.points[surface.triangles].mean(axis=1), axis=1)
     assert 0.7 * sag.max() <= reference.auto_tolerance() * reference.diagonal <= 2.0 * sag.max()
 
@@ -37,7 +37,7 @@ def test_a_given_surface_is_cleaned():
     flat = [[0, 1, 0], [3, 3, 4]]
     twice = triangles[:1]
     given = SurfaceMesh(soup, np.concatenate([triangles[:, ::-1], flat, twice]))
-    reference = given_surface(given, ball(3), 60.0)
+    reference = given_surface(clean(given), ball(3), 60.0)
     assert len(reference.points) == 80
     assert len(reference.strata.triangles) == len(whole.triangles)
     outward = enclosed_volume(whole.points, whole.triangles)

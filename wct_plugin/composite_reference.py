@@ -9,7 +9,7 @@ from wct_plugin import _core
 from wct_plugin.adapters import meshlab
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import Reference, bounds, clean, covers, near
+from wct_plugin.reference import Reference, bounds, clean, covers, near, open_edges
 from wct_plugin.surface import SPECK, components, sheets, surface_edges
 
 Floats = NDArray[np.float64]
@@ -41,10 +41,10 @@ def composite(surface: SurfaceMesh, mesh: TetMesh, own: Reference, tolerance: fl
     made = _beside(surface, own)
     if made is None:
         return None
-    if open_edges := _open_edges(made):
-        made = _made(made, _CLOSE, maxholesize=open_edges + 1, refinehole=True)
+    if rim := open_edges(made):
+        made = _made(made, _CLOSE, maxholesize=rim + 1, refinehole=True)
     if np.array_equal(made.triangles, surface.triangles) or not _bounds_alone(made, mesh, own):
-        if _open_edges(made) or not covers(made, own, _DEEP):  # nor will less of it
+        if open_edges(made) or not covers(made, own, _DEEP):  # nor will less of it
             return None
         made = _made(made, _UNITE)
         if not _bounds_alone(made, mesh, own):
@@ -69,11 +69,6 @@ def _beside(surface: SurfaceMesh, own: Reference) -> SurfaceMesh | None:
     piece = components(owners, np.repeat(owners[starts], sizes), len(surface.triangles))
     kept = surface.triangles[np.isin(piece, piece[near(surface, own, _DEEP)])]
     return SurfaceMesh(surface.points, kept, source=surface.source) if len(kept) else None
-
-
-def _open_edges(surface: SurfaceMesh) -> int:
-    """How many edges have surface on one side only."""
-    return int((surface_edges(surface.triangles, len(surface.points))[3] % 2).sum())
 
 
 def _made(surface: SurfaceMesh, name: str, **arguments: int | bool) -> SurfaceMesh:

@@ -63,12 +63,11 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
 
 
 def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> Reference:
-    """A surface, mended, as reference of a mesh of one region without tags."""
-    mended = clean(surface)
-    found = surface_strata(mended, crease_angle)
+    """A cleaned surface as reference of a mesh of one region without tags."""
+    found = surface_strata(surface, crease_angle)
     patches = int(found.patch.max()) + 1
     nothing = np.zeros(patches, dtype=np.int64)
-    return Reference(mended.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions), nothing)
+    return Reference(surface.points, found, np.tile([0, -1], (patches, 1)), np.unique(mesh.regions), nothing)
 
 
 def clean(surface: SurfaceMesh) -> SurfaceMesh:
@@ -93,9 +92,14 @@ def bounds(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> bool:
     Scans have holes that the mesher closed, and sheets that run on inside the body. Where a facet of either lies deeper
     in or farther off the other than ``deep``, a fraction of the mesh's edge, the surface bounds nothing.
     """
-    if (surface_edges(surface.triangles, len(surface.points))[3] % 2).any():
+    if open_edges(surface):
         return False
     return bool(near(surface, own, deep).all()) and covers(surface, own, deep)
+
+
+def open_edges(surface: SurfaceMesh) -> int:
+    """How many edges have surface on one side only."""
+    return int((surface_edges(surface.triangles, len(surface.points))[3] % 2).sum())
 
 
 def near(surface: SurfaceMesh, own: Reference, deep: float) -> Bools:
