@@ -30,6 +30,9 @@ template <std::size_t corners> class BoundingTree {
     explicit BoundingTree(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
         if (!pieces_.empty())
             split(0, static_cast<std::int32_t>(pieces_.size()));
+        if constexpr (corners == 3)
+            for (const Piece &piece : pieces_)
+                frames_.push_back(frame_of(piece));
         find_neighbours();
     }
 
@@ -37,7 +40,7 @@ template <std::size_t corners> class BoundingTree {
 
     /// `guess` is a piece known or hoped to be near: the better the guess, the less of the tree is visited.
     Closest closest(const Vec3 &x, std::int32_t guess = 0) const {
-        Closest best{closest_on(pieces_[static_cast<std::size_t>(guess)], x), guess};
+        Closest best{closest_of(guess, x), guess};
         double distance = dot(best.point - x, best.point - x);
         std::array<std::int32_t, 64> stack; // the tree halves: no deeper than the bits of a count
         std::size_t size = 0;
@@ -48,7 +51,7 @@ template <std::size_t corners> class BoundingTree {
                 continue;
             if (node.right < 0) {
                 for (std::int32_t i = node.first; i < node.last; ++i) {
-                    const Vec3 point = closest_on(pieces_[static_cast<std::size_t>(i)], x);
+                    const Vec3 point = closest_of(i, x);
                     const double d = dot(point - x, point - x);
                     if (d < distance) {
                         distance = d;
@@ -69,9 +72,7 @@ template <std::size_t corners> class BoundingTree {
     }
 
     /// From the closest point of the piece to x.
-    Vec3 gap(std::int32_t piece, const Vec3 &x) const {
-        return x - closest_on(pieces_[static_cast<std::size_t>(piece)], x);
-    }
+    Vec3 gap(std::int32_t piece, const Vec3 &x) const { return x - closest_of(piece, x); }
 
     /// Whether the piece is within this squared distance of x.
     bool reaches(std::int32_t piece, const Vec3 &x, double distance) const {
@@ -157,6 +158,30 @@ template <std::size_t corners> class BoundingTree {
         }
     };
 
+    /// What tells where a point lies over a triangle: its coordinates along two sides are dot products. Not a number
+    /// where the triangle is flat.
+    struct Frame {
+        Vec3 along_first, along_second, normal;
+    };
+    static Frame frame_of(const Piece &c) {
+        const Vec3 first = c[1] - c[0], second = c[2] - c[0], n = cross(first, second);
+        const double square = dot(n, n);
+        return {(1.0 / square) * cross(second, n), (1.0 / square) * cross(n, first), (1.0 / std::sqrt(square)) * n};
+    }
+
+    /// Mostly a point lies over the inside of the triangle that it is near; this is cheap to see.
+    Vec3 closest_of(std::int32_t piece, const Vec3 &x) const {
+        const Piece &c = pieces_[static_cast<std::size_t>(piece)];
+        if constexpr (corners == 3) {
+            const Frame &frame = frames_[static_cast<std::size_t>(piece)];
+            const Vec3 d = x - c[0];
+            const double u = dot(d, frame.along_first), v = dot(d, frame.along_second);
+            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0)
+                return x - dot(d, frame.normal) * frame.normal;
+        }
+        return closest_on(c, x);
+    }
+
     /// Pieces that share all corners but one.
     void find_neighbours() {
         // Corners by number, equal ones by the same: coordinates as keys would take several times the memory.
@@ -233,6 +258,7 @@ template <std::size_t corners> class BoundingTree {
     }
 
     std::vector<Piece> pieces_;
+    std::vector<Frame> frames_; // of triangles
     std::vector<Node> nodes_;
     std::vector<std::array<std::int32_t, corners>> neighbours_; // of each piece; -1: none
 };

@@ -3,10 +3,13 @@
 #include "multiversion.h"
 
 #include <limits>
+#include <numeric>
 
 namespace wct {
 
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// kFacets turned round, so that (corner, facet) is a positive tet.
 void load_star_tet(const TetComplex &complex, const Tet &tet, int v, TetLanes &lanes, int lane) {
@@ -65,8 +68,8 @@ static void add_counts(const ShapeLanes &shape, const SearchForm &form, Lanes &e
             (worst.at[lane] <= f.clearance ? f.count : 0.0) + (worst.at[lane] <= f.hard_clearance ? f.hard_count : 0.0);
 }
 
-void SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient,
-                            bool count) const {
+bool SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient, bool count,
+                            int used, double limit) const {
     const bool cosines = form_.shape.weight2 != 0.0 || form_.needle_weight != 0.0;
     ShapeLanes shape;
     SlopeLanes slopes;
@@ -83,9 +86,12 @@ void SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes 
         add_needles(shape, form_.needle_cosine, form_.needle_weight, energy, gradient ? &slopes : nullptr);
     if (count)
         add_counts(shape, form_, energy);
+    evaluations_ += kLanes;
+    if (!(std::accumulate(energy.at, energy.at + used, 0.0) <= limit))
+        return false;
     if (gradient)
         differentiate_first(tets, shape, slopes, cosines, gradient);
-    evaluations_ += kLanes;
+    return true;
 }
 
 void SearchEnergy::smooth(const TetLanes &tets, const TermLanes &terms, Lanes &energy, GradientLanes &gradient) const {
@@ -149,7 +155,7 @@ double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const
     Lanes energy;
     for (int lane = 0; lane < kLanes; ++lane)
         load_tet(complex, tet, lanes, lane);
-    evaluate(lanes, flatness_terms(-std::numeric_limits<double>::infinity()), energy, nullptr, true);
+    evaluate(lanes, flatness_terms(-kInfinity), energy, nullptr, true);
     return energy[0] + over(complex, tet);
 }
 
@@ -178,7 +184,7 @@ void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) con
     }
 }
 
-double SearchEnergy::at(StarLanes &star, const Vec3 &x, Vec3 *gradient) const {
+double SearchEnergy::at(StarLanes &star, const Vec3 &x, Vec3 *gradient, double limit) const {
     double sum = 0.0;
     if (gradient)
         *gradient = {};
@@ -186,8 +192,9 @@ double SearchEnergy::at(StarLanes &star, const Vec3 &x, Vec3 *gradient) const {
         star.lanes[g].set_all(0, x);
         Lanes energy;
         Lanes slope[3];
-        evaluate(star.lanes[g], star.terms[g], energy, gradient ? slope : nullptr, false);
         const int used = std::min(kLanes, star.count - static_cast<int>(g) * kLanes);
+        if (!evaluate(star.lanes[g], star.terms[g], energy, gradient ? slope : nullptr, false, used, limit - sum))
+            return kInfinity; // no energy is negative
         for (int lane = 0; lane < used; ++lane) {
             sum += energy[lane];
             if (gradient)

@@ -3,6 +3,7 @@
 #include "energy.h"
 #include "tet_complex.h"
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -56,8 +57,10 @@ class SearchEnergy {
     static TermLanes present_terms(const TetLanes &tets);
     void gather(const TetComplex &complex, int v, StarLanes &star) const;
     double over(const TetComplex &complex, const Tet &tet) const { return form_.over_weight * complex.over(tet); }
-    /// Sum of the smooth part (no count) over the star with its vertex at x; gradient with respect to x.
-    double at(StarLanes &star, const Vec3 &x, Vec3 *gradient) const;
+    /// Sum of the smooth part (no count) over the star with its vertex at x; gradient with respect to x. Infinite where
+    /// the sum is above `limit`: then the rest of the star, and the gradient, are not looked at.
+    double at(StarLanes &star, const Vec3 &x, Vec3 *gradient,
+              double limit = std::numeric_limits<double>::infinity()) const;
     /// Energies (with count) of the star's tets with its vertex at x, in the order of the complex's star list.
     void each(StarLanes &star, const Vec3 &x, double *energies) const;
 
@@ -69,7 +72,9 @@ class SearchEnergy {
     long evaluations() const { return evaluations_; }
 
   private:
-    void evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient, bool count) const;
+    /// False, and no gradient, where the first `used` energies come to more than `limit`.
+    bool evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient, bool count,
+                  int used = kLanes, double limit = std::numeric_limits<double>::infinity()) const;
 
     SearchForm form_;
     mutable long evaluations_ = 0;

@@ -82,7 +82,7 @@ bool StarDescent::relax(int v, int steps) {
             if (surface && !guide_.admit(vertex, next, &next_freedom, hint))
                 continue;
             const double limit = current + 1e-4 * t * slope;
-            next_energy = energy_.at(star_, next, &next_gradient);
+            next_energy = energy_.at(star_, next, &next_gradient, limit);
             if (next_energy > limit || (surface && !watch_.allows(next)))
                 continue;
             if (surface) {

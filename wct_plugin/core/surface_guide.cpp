@@ -158,7 +158,7 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
         const Vec3 normal = unit(normal_of({points[t[0]], points[t[1]], points[t[2]]}));
         for (int i = 0; i < 3; ++i) {
             if (seen.insert({patch[k], t[i]}).second)
-                landmarks_.push_back({points[t[i]], patch[k]});
+                landmarks_.push_back({points[t[i]], patch[k], false});
             const Edge edge = sorted(t[i], t[(i + 1) % 3]);
             const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, normal);
             const double bend = std::abs(dot(found->second, normal)); // its cosine
@@ -169,7 +169,7 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
             const Vec3 &a = points[edge[0]], &b = points[edge[1]];
             const int parts = std::min(kParts, static_cast<int>(std::ceil(norm(b - a) / apart)));
             for (int p = 1; p < parts; ++p)
-                landmarks_.push_back({a + (static_cast<double>(p) / parts) * (b - a), patch[k]});
+                landmarks_.push_back({a + (static_cast<double>(p) / parts) * (b - a), patch[k], p + 1 < parts});
         }
     }
 }
@@ -255,9 +255,10 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
     return true;
 }
 
-SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const {
+SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
+                                    double enough) const {
     Gap worst;
-    for (int k = 0; k < kSamples; ++k) {
+    for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
         const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
         const auto found = patches_[patch].tree.closest(x, hints[k]);

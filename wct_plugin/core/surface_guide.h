@@ -64,7 +64,9 @@ class SurfaceGuide {
         double distance = 0.0;
         Vec3 weights, to_surface;
     };
-    Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints) const;
+    /// No farther sample is looked for once one is farther than `enough`.
+    Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
+            double enough = std::numeric_limits<double>::infinity()) const;
     /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
     double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
     /// Unit normal of the patch where it is closest to x.
@@ -76,6 +78,7 @@ class SurfaceGuide {
     struct Landmark {
         Vec3 point;
         int patch;
+        bool joined; // to the next one, by a straight edge
     };
     const std::vector<Landmark> &landmarks() const { return landmarks_; }
     /// Whether the facet is within the tolerance of the landmark.

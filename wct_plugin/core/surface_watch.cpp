@@ -10,6 +10,8 @@ namespace {
 constexpr double kUnfolded = 0.5; // cosine of the angle a facet may turn by in one move
 /// Over by rounding is over all the same.
 constexpr double kLeast = 1e-6;
+/// What is as far over as it was may come out this much farther.
+constexpr double kRounding = 1.0 + 1e-9;
 
 std::array<double, 9> coordinates(const std::array<Vec3, 3> &c) {
     return {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z};
@@ -38,7 +40,7 @@ void SurfaceWatch::begin() {
         trees.emplace(patch, BoundingTree<3>(std::move(corners)));
     std::map<int, std::int32_t> hints;
     for (std::size_t l = 0; l < guide_.landmarks().size(); ++l) {
-        const auto &[point, patch] = guide_.landmarks()[l];
+        const auto &[point, patch, joined] = guide_.landmarks()[l];
         const auto tree = trees.find(patch);
         if (tree == trees.end()) { // a patch too small to have got a facet
             complex_.add_landmark(std::nullopt);
@@ -58,6 +60,7 @@ void SurfaceWatch::clear() {
     vertex_ = -1;
     old_.clear();
     new_.clear();
+    beside_.clear();
 }
 
 void SurfaceWatch::goes(const Facet &key, int patch) {
@@ -95,14 +98,9 @@ bool SurfaceWatch::allows_replacing() {
     skip_known_edges();
     double allowed = loose; // no facet may be farther over than one it replaces
     for (const Piece &piece : old_)
-        allowed = std::max(allowed, piece.was_over * (1.0 + 1e-9));
-    for (Piece &piece : new_) {
-        if (piece.planar || guide_.near(piece.patch, piece.corners, allowed > 0.0 ? 7u : piece.edges, piece.hints))
-            continue;
-        if (allowed <= 0.0)
-            return false;
-        piece.over = over(guide_.gap(piece.patch, piece.corners, piece.hints).distance);
-    }
+        allowed = std::max(allowed, piece.was_over * kRounding);
+    if (!std::all_of(new_.begin(), new_.end(), [&](Piece &piece) { return near(piece, allowed); }))
+        return false;
     if (!landmarks_covered())
         return false;
     return std::none_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; });
@@ -154,28 +152,27 @@ bool SurfaceWatch::allows(const Vec3 &x) {
     }
     for (std::size_t i = 0; i < new_.size(); ++i) {
         const std::size_t k = (suspect_ + i) % new_.size(); // what was refused last is likely to be refused again
-        if (near(new_[k]))
+        if (near(new_[k], new_[k].was_over * kRounding))
             continue;
         suspect_ = k;
         return false;
     }
     if (!landmarks_covered())
         return false;
-    return std::none_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > p.was_over * (1.0 + 1e-9); });
+    return std::none_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > p.was_over * kRounding; });
 }
 
-/// Whether the piece is near the surface, or was not from the start: then how far it is.
-bool SurfaceWatch::near(Piece &piece) const {
+bool SurfaceWatch::near(Piece &piece, double allowed) const {
     piece.over = 0.0;
     piece.pull = {};
-    if (piece.planar || guide_.near(piece.patch, piece.corners, piece.was_over > 0.0 ? 7u : piece.edges, piece.hints))
+    if (piece.planar || guide_.near(piece.patch, piece.corners, allowed > 0.0 ? 7u : piece.edges, piece.hints))
         return true;
-    if (piece.was_over <= 0.0)
+    if (allowed <= 0.0)
         return false;
-    const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints);
+    const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints, (1.0 + allowed) * guide_.tolerance());
     const auto &[a, b, c] = piece.corners;
     farther(piece, gap.distance, gap.weights.x * a + gap.weights.y * b + gap.weights.z * c, gap.to_surface);
-    return true;
+    return piece.over <= allowed;
 }
 
 /// How far over the tolerance something at this distance is.
@@ -223,26 +220,48 @@ void SurfaceWatch::settle(const Vec3 &x) {
 
 bool SurfaceWatch::landmarks_covered() {
     handed_.clear();
+    const auto &landmarks = guide_.landmarks();
     for (std::size_t i = 0; i < old_.size(); ++i) {
         if (old_[i].planar)
             continue;
-        for (int l = complex_.first_landmark(old_[i].key); l >= 0; l = complex_.next_landmark(l)) {
-            if (vertex_ >= 0 && guide_.covers(new_[i].corners, l))
+        const Facet &key = old_[i].key;
+        for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
+            if (vertex_ < 0) {
+                if (!leave(l, i))
+                    return false;
                 continue;
-            if (cover(l, old_[i]))
+            }
+            // Distance to a facet is convex along a straight edge: it covers what is between two that it covers.
+            if (l > 0 && landmarks[l - 1].joined && complex_.landmark_owner(l - 1) == key)
                 continue;
-            if (old_[i].was_over <= 0.0 && (vertex_ >= 0 || loose <= 0.0))
-                return false;
-            Piece *owner = vertex_ >= 0 ? &new_[i] : nearest(l, old_[i].patch);
-            if (!owner)
-                return false;
-            if (vertex_ < 0)
-                handed_.push_back({l, owner->key});
-            const Vec3 &point = guide_.landmarks()[l].point;
-            const Vec3 foot = closest_on(owner->corners, point);
-            farther(*owner, norm(point - foot), foot, point - foot);
+            int first = l, last = l;
+            while (landmarks[last].joined && complex_.landmark_owner(last + 1) == key)
+                ++last;
+            for (; first <= last && !guide_.covers(new_[i].corners, first); ++first)
+                if (!leave(first, i))
+                    return false;
+            for (; first < last && !guide_.covers(new_[i].corners, last); --last)
+                if (!leave(last, i))
+                    return false;
         }
     }
+    return true;
+}
+
+/// Find another facet for a landmark of the piece, or note how far off the tolerance that is, if it may be.
+bool SurfaceWatch::leave(int landmark, std::size_t piece) {
+    if (cover(landmark, old_[piece]))
+        return true;
+    if (old_[piece].was_over <= 0.0 && (vertex_ >= 0 || loose <= 0.0))
+        return false;
+    Piece *owner = vertex_ >= 0 ? &new_[piece] : nearest(landmark, old_[piece].patch);
+    if (!owner)
+        return false;
+    if (vertex_ < 0)
+        handed_.push_back({landmark, owner->key});
+    const Vec3 &point = guide_.landmarks()[landmark].point;
+    const Vec3 foot = closest_on(owner->corners, point);
+    farther(*owner, norm(point - foot), foot, point - foot);
     return true;
 }
 
@@ -271,19 +290,25 @@ bool SurfaceWatch::cover(int landmark, const Piece &owner) {
     for (int v : owner.key) {
         if (v == vertex_)
             continue;
-        complex_.surface_at(v, facets_, patches_);
-        for (std::size_t k = 0; k < facets_.size(); ++k) {
-            const Facet &key = facets_[k];
-            if (patches_[k] != owner.patch ||
-                std::any_of(old_.begin(), old_.end(), [&](const Piece &p) { return p.key == key; }))
-                continue;
-            if (guide_.covers(complex_.corners(key), landmark)) {
-                handed_.push_back({landmark, key});
+        for (const Beside &facet : beside(v))
+            if (facet.patch == owner.patch && guide_.covers(facet.corners, landmark)) {
+                handed_.push_back({landmark, facet.key});
                 return true;
             }
-        }
     }
     return false;
+}
+
+const std::vector<SurfaceWatch::Beside> &SurfaceWatch::beside(int v) {
+    for (const auto &[vertex, facets] : beside_)
+        if (vertex == v)
+            return facets;
+    complex_.surface_at(v, facets_, patches_);
+    auto &out = beside_.emplace_back(v, std::vector<Beside>{}).second;
+    for (std::size_t k = 0; k < facets_.size(); ++k)
+        if (std::none_of(old_.begin(), old_.end(), [&](const Piece &p) { return p.key == facets_[k]; }))
+            out.push_back({facets_[k], patches_[k], complex_.corners(facets_[k])});
+    return out;
 }
 
 } // namespace wct

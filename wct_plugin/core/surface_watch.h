@@ -52,15 +52,23 @@ class SurfaceWatch {
         Vec3 pull; // gradient of over with respect to the moving vertex
         SurfaceHints hints{};
     };
+    struct Beside {
+        Facet key;
+        int patch;
+        std::array<Vec3, 3> corners;
+    };
     struct Handed {
         int landmark;
         Facet to;
     };
     Piece piece(const Facet &key, int patch) const;
     void skip_known_edges();
-    bool near(Piece &piece) const;
+    /// How far over the tolerance the piece is where it is now; whether it may be, up to `allowed`.
+    bool near(Piece &piece, double allowed) const;
     bool landmarks_covered();
+    bool leave(int landmark, std::size_t piece);
     bool cover(int landmark, const Piece &owner);
+    const std::vector<Beside> &beside(int v);
     Piece *nearest(int landmark, int patch);
     double over(double distance) const;
     void farther(Piece &piece, double distance, const Vec3 &at, const Vec3 &to_surface) const;
@@ -71,7 +79,8 @@ class SurfaceWatch {
     std::vector<Piece> old_;
     std::vector<Piece> new_;
     std::vector<Handed> handed_;
-    Vec3 asked_; // the place asked about last
+    std::vector<std::pair<int, std::vector<Beside>>> beside_; // per vertex asked about: the facets there that stay
+    Vec3 asked_;                                              // the place asked about last
     std::size_t suspect_ = 0;
     std::vector<Facet> facets_;
     std::vector<int> patches_;

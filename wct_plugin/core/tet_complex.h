@@ -87,6 +87,7 @@ class TetComplex {
     /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
     int first_landmark(const Facet &key) const { return surface_.at(key).landmark; }
     int next_landmark(int landmark) const { return landmarks_[landmark].next; }
+    const Facet &landmark_owner(int landmark) const { return landmarks_[landmark].owner; }
     /// A new landmark (the next number), and a change of its owner. Both facets must be there, and a facet must have
     /// handed on its landmarks before it is removed.
     void add_landmark(const std::optional<Facet> &owner);
