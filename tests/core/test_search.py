@@ -6,7 +6,7 @@ from builders import ball, cylinder, jittered_cube, sphere_surface
 
 from wct_plugin import _core, quality
 from wct_plugin.deviation import deviation
-from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import own_boundary
 from wct_plugin.surface import enclosed_volume
 from wct_plugin.topology import Topology
@@ -147,7 +147,7 @@ def apart(found, surface):
 
 @pytest.mark.parametrize("tolerance", [0.03, 0.1])
 def test_coarse_facets_stay_within_the_tolerance_both_ways(tolerance):
-    mesh = ball(3)  # its own facets bend by 20 degrees at their edges: chords would cut these off
+    mesh = ball(4)  # its own facets bend by 12 degrees at their edges: chords would cut these off
     found = search(mesh, tolerance=tolerance, kicks=50)
     check_valid(found)
     assert len(rows(found["facets"]) ^ rows(mesh.topology.boundary)) > 10
@@ -310,3 +310,16 @@ def test_kicks_stop_where_they_cost_more_than_they_are_worth():
 def test_what_cannot_be_ruled_out_or_worth_is_refused(options, message):
     with pytest.raises(ValueError, match=message):
         search(jittered_cube(2), **options)
+
+
+def test_an_edge_that_overlapping_tets_have_already_is_not_made_again():
+    corners = [[np.cos(a), np.sin(a), 0.0] for a in np.radians([0, 120, 240])]
+    points = np.array([*corners, [0, 0, -0.2], [0, 0, 0.2], [3, 0.2, 0]])
+    pair = np.array([[0, 1, 2, 4], [0, 2, 1, 3]])  # flat: three round the edge 3-4 serve better
+    beside = np.array([[0, 3, 4, 5]])  # reaches into the pair, and has that edge
+    assert quality.volumes(points, beside)[0] > 0
+    alone = search(TetMesh(points[:5], pair), pinned=True, flip_surface=False, split_surface=False)
+    assert len(alone["tets"]) == 3
+    found = search(TetMesh(points, np.concatenate([pair, beside])), pinned=True, flip_surface=False, split_surface=False)
+    facets = np.sort(found["tets"][:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
+    assert np.unique(facets, axis=0, return_counts=True)[1].max() == 2

@@ -89,6 +89,8 @@ bool Operators::collapse(int a, int b, double slack) {
         return false;
     if (!candidates_below(before + slack))
         return false;
+    if (gone.stratum == Stratum::interior && (!ring(a, b, ring_) || !collapse_links(a, b, ring_)))
+        return false; // only where the mesh overlaps itself can this be, with all tets positive
     watch_.clear();
     for (std::size_t k = 0; k < facets.size(); ++k) {
         Facet facet = facets[k];
@@ -102,6 +104,8 @@ bool Operators::collapse(int a, int b, double slack) {
         const Vec3 is = cross(q - p, r - p);
         if (dot(was, is) < 0.8 * norm(was) * norm(is))
             return false;
+        if (complex_.patch_of(facet[0], facet[1], facet[2]) >= 0)
+            return false; // two sheets would become one
         watch_.comes(sorted(facet[0], facet[1], facet[2]), patches[k]);
     }
     if (!watch_.allows_replacing())

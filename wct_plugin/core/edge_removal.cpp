@@ -2,6 +2,7 @@
 
 #include "operators.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace wct {
@@ -53,13 +54,9 @@ bool Operators::plan(Fan &fan, int a, int b) {
     return fan.cost[n - 1] < kInfinity;
 }
 
-void Operators::carry_out(const Fan &fan, int a, int b) {
+/// The triangles (i, k, j) of the planned triangulation of a fan's polygon.
+template <class Visit> void Operators::each_triangle(const Fan &fan, const Visit &visit) {
     const int n = static_cast<int>(fan.polygon.size());
-    const std::vector<int> &p = fan.polygon;
-    const int region = complex_.region(fan.tets[0]);
-    for (int t : fan.tets)
-        complex_.remove_tet(t);
-    candidates_.clear();
     Edge stack[2 * kLargestRing];
     int top = 0;
     stack[top++] = {0, n - 1};
@@ -68,11 +65,36 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
         if (j - i < 2)
             continue;
         const int k = fan.choice[i * n + j];
-        candidates_.push_back({p[i], p[k], p[j], b});
-        candidates_.push_back({p[j], p[k], p[i], a});
+        visit(i, k, j);
         stack[top++] = {i, k};
         stack[top++] = {k, j};
     }
+}
+
+bool Operators::joined(int a, int b) const {
+    const std::vector<int> &star = complex_.star(a);
+    return std::any_of(star.begin(), star.end(), [&](int t) { return complex_.has(t, b); });
+}
+
+bool Operators::repeats(const Fan &fan) const {
+    bool found = false;
+    each_triangle(fan, [&](int i, int k, int j) {
+        for (const auto &[p, q] : {Edge{i, k}, Edge{k, j}})
+            found = found || (q - p > 1 && joined(fan.polygon[p], fan.polygon[q]));
+    });
+    return found;
+}
+
+void Operators::carry_out(const Fan &fan, int a, int b) {
+    const std::vector<int> &p = fan.polygon;
+    const int region = complex_.region(fan.tets[0]);
+    for (int t : fan.tets)
+        complex_.remove_tet(t);
+    candidates_.clear();
+    each_triangle(fan, [&](int i, int k, int j) {
+        candidates_.push_back({p[i], p[k], p[j], b});
+        candidates_.push_back({p[j], p[k], p[i], a});
+    });
     energies_.resize(candidates_.size());
     energy_.of(complex_, candidates_, energies_.data());
     for (std::size_t k = 0; k < candidates_.size(); ++k)
@@ -82,9 +104,8 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
 }
 
 bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
-    for (int t : complex_.star(r))
-        if (complex_.has(t, s))
-            return false; // r and s are joined already: the surface would pinch
+    if (joined(r, s))
+        return false; // the surface would pinch
     const Vec3 &pa = complex_.point(a), &pb = complex_.point(b), &pr = complex_.point(r), &ps = complex_.point(s);
     const Vec3 first = cross(pr - pa, ps - pa);
     const Vec3 second = cross(ps - pb, pr - pb);
@@ -152,6 +173,9 @@ bool Operators::remove_edge(int a, int b, double slack) {
         if (!(after < before + slack))
             return false;
     }
+    for (int f = 0; f < fans; ++f)
+        if (repeats(fans_[f]))
+            return false;
     if (facets == 2 && !flips_surface(a, b, r, s, patch))
         return false;
     if (facets == 2)
@@ -178,7 +202,7 @@ bool Operators::flip_23(int t, int i, double slack) {
             a = v;
     const Tet three[3] = {{a, b, x, y}, {a, b, y, z}, {a, b, z, x}};
     double energies[3];
-    if (!energy_.below(complex_, three, complex_.energy(t) + complex_.energy(s) + slack, energies))
+    if (!energy_.below(complex_, three, complex_.energy(t) + complex_.energy(s) + slack, energies) || joined(a, b))
         return false;
     const int region = complex_.region(t);
     complex_.remove_tet(t);

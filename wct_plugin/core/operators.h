@@ -65,8 +65,14 @@ class Operators {
         std::vector<int> choice;
     };
     bool plan(Fan &fan, int a, int b);
+    template <class Visit> static void each_triangle(const Fan &fan, const Visit &visit);
     void carry_out(const Fan &fan, int a, int b);
     bool flips_surface(int a, int b, int r, int s, int patch);
+    /// Whether a and b are joined. A new edge between two that are would be there twice: a mesh that overlaps itself,
+    /// as folds narrower than the tolerance may, leaves room for it.
+    bool joined(int a, int b) const;
+    /// Whether the planned fan has an edge that is there already.
+    bool repeats(const Fan &fan) const;
     /// Measures the candidates; whether they can be and cost less than `limit` together.
     bool candidates_below(double limit);
     bool collapse_links(int a, int b, const Ring &ring) const;
