@@ -7,6 +7,8 @@ namespace wct {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Where the surface refuses so many steps of one line search, shorter ones would gain little for what asking costs.
+constexpr int kRefusals = 2;
 
 } // namespace
 
@@ -74,6 +76,7 @@ bool StarDescent::relax(int v, int steps) {
             break;
         double t = reach > 0.3 * length ? 0.3 * length / reach : 1.0;
         bool moved = false;
+        int refused = 0;
         Vec3 next, next_gradient;
         Freedom next_freedom;
         double next_energy = kInfinity;
@@ -83,8 +86,13 @@ bool StarDescent::relax(int v, int steps) {
                 continue;
             const double limit = current + 1e-4 * t * slope;
             next_energy = energy_.at(star_, next, &next_gradient, limit);
-            if (next_energy > limit || (surface && !watch_.allows(next)))
+            if (next_energy > limit)
                 continue;
+            if (surface && !watch_.allows(next)) {
+                if (++refused == kRefusals)
+                    break;
+                continue;
+            }
             if (surface) {
                 Vec3 pull;
                 next_energy += over_weight * watch_.cost(&pull);
