@@ -320,6 +320,8 @@ def test_an_edge_that_overlapping_tets_have_already_is_not_made_again():
     assert quality.volumes(points, beside)[0] > 0
     alone = search(TetMesh(points[:5], pair), pinned=True, flip_surface=False, split_surface=False)
     assert len(alone["tets"]) == 3
-    found = search(TetMesh(points, np.concatenate([pair, beside])), pinned=True, flip_surface=False, split_surface=False)
+    found = search(
+        TetMesh(points, np.concatenate([pair, beside])), pinned=True, flip_surface=False, split_surface=False
+    )
     facets = np.sort(found["tets"][:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
     assert np.unique(facets, axis=0, return_counts=True)[1].max() == 2
