@@ -6,10 +6,10 @@
 namespace wct {
 
 namespace {
-constexpr double kLoose = 1.0; // how far beyond the tolerance a kick may go, in tolerances
+constexpr double kLoose = 3.0; // how far beyond the tolerance a kick may go, in tolerances
 /// Shares of the kicks that refine the surface, at a facet beyond the tolerance and at others. A tet only short of a
 /// margin must first have withstood all else: small curved meshes would pay for it with tets.
-constexpr double kRefineOver = 0.5;
+constexpr double kRefineOver = 0.9;
 constexpr double kRefine = 0.25;
 } // namespace
 
