@@ -172,3 +172,16 @@ def test_a_record_survives_the_journey(manifest):
     back = Record.from_json(record.to_json())
     assert "\n" not in record.to_json()
     assert json.loads(back.to_json()) == json.loads(record.to_json())
+
+
+def test_ctrl_c_while_a_line_is_written_does_not_write_it_twice(manifest, monkeypatch):
+    def interrupted(_):
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    record, folder = attempt(manifest)
+    monkeypatch.setattr(os, "fsync", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        manifest.commit(record, folder)
+    manifest.close()
+    assert len(lines(manifest)) == 1

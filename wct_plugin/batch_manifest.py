@@ -49,12 +49,15 @@ class Manifest:
             raise OptionError(f"{self.path} is in use: another batch is writing to {self.folder}")
         _cut_torn_line(self._file)
         for path in self._manifests() if resume else ():
-            for record in _read(path):
-                self._records[record.output] = record
+            self._learn(path)
         self.recover()
         if self.path == self._whole:  # one shard tidying up for another would be in its way when it starts again
             self._recover_others()
         self.work.mkdir(exist_ok=True)
+
+    def _learn(self, path: Path) -> None:
+        for record in _read(path):
+            self._records[record.output] = record
 
     def _manifests(self) -> list[Path]:
         return sorted(self.folder.glob("manifest*.jsonl"))
@@ -69,9 +72,13 @@ class Manifest:
     def close(self) -> None:
         """Finish what is finished, take away what is not, and let go."""
         if self._file is not None:
-            self.recover()
-            os.close(self._file)
-            self._file = None
+            try:
+                _cut_torn_line(self._file)
+                self._learn(self.path)  # Ctrl-C may have come between a line and the note of it
+                self.recover()
+            finally:
+                os.close(self._file)
+                self._file = None
 
     def finished(self, job: Job) -> Record | None:
         """The record of ``job`` finished before on the same content, if its outputs are still as written."""
