@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from builders import ball, kuhn_cube, sphere_surface, two_region_cube
 
-from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.reference import TOLERANCE, bounds, clean, gap, given_surface, own_boundary
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.reference import TOLERANCE, bounds, clean, facing_out, gap, given_surface, own_boundary
 from wct_plugin.surface import enclosed_volume
 
 
@@ -37,13 +37,28 @@ def test_a_given_surface_is_cleaned():
     flat = [[0, 1, 0], [3, 3, 4]]
     twice = triangles[:1]
     given = SurfaceMesh(soup, np.concatenate([triangles[:, ::-1], flat, twice]))
-    reference = given_surface(clean(given), ball(3), 60.0)
+    reference = given_surface(facing_out(clean(given), own_boundary(ball(3), 60.0)), ball(3), 60.0)
     assert len(reference.points) == 80
     assert len(reference.strata.triangles) == len(whole.triangles)
     outward = enclosed_volume(whole.points, whole.triangles)
     assert enclosed_volume(reference.points, reference.strata.triangles) == pytest.approx(outward, rel=1e-12)
     assert (reference.strata.patch == 0).all()
     assert np.array_equal(reference.sides, [[0, -1]])
+
+
+def test_a_surface_faces_out_of_the_mesh_however_its_triangles_run():
+    """A cube with a cavity, on a surface with a loose piece within the cube that no facet of the mesh is near."""
+    cube = kuhn_cube(6)
+    hollow = TetMesh(cube.points, cube.tets[np.abs(cube.points[cube.tets].mean(axis=1) - 0.5).max(axis=1) > 1 / 6])
+    own = own_boundary(hollow, 40.0)
+    outward = hollow.boundary_surface()
+    assert enclosed_volume(outward.points, outward.triangles) == pytest.approx(26 / 27, rel=1e-12)
+    turned = np.random.default_rng(0).random(len(outward.triangles)) < 0.5
+    given = SurfaceMesh(outward.points, np.where(turned[:, None], outward.triangles[:, ::-1], outward.triangles))
+    assert np.array_equal(facing_out(given, own).triangles, outward.triangles)
+    loose = sphere_surface(60, 0.02)
+    both = _with_more(given, loose.points + 0.25, loose.triangles)
+    assert np.array_equal(facing_out(both, own).triangles[len(turned) :], both.triangles[len(turned) :])
 
 
 def _with_more(surface, points, triangles):

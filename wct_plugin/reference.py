@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wct_plugin import _core
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.surface import Strata, bends, enclosed_volume, strata, surface_edges, surface_strata
+from wct_plugin.surface import Strata, bends, components, strata, surface_edges, surface_strata
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -71,19 +71,45 @@ def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> R
 
 
 def clean(surface: SurfaceMesh) -> SurfaceMesh:
-    """The surface with equal points merged, flat and repeated triangles dropped, outward."""
+    """The surface with equal points merged, flat and repeated triangles dropped."""
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[surface.triangles]
-    corners = points[triangles]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = np.linalg.norm(_normals(points, triangles), axis=1)
     sound = area > 1e-14 * surface.diagonal**2
     triangles, tags = triangles[sound], surface.tags[sound]
     _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     triangles, tags = triangles[np.sort(first)], tags[np.sort(first)]
-    if enclosed_volume(points, triangles) < 0:
-        triangles = triangles[:, ::-1].copy()
     used, place = np.unique(triangles, return_inverse=True)
     return SurfaceMesh(points[used], place.reshape(-1, 3), tags)
+
+
+def facing_out(surface: SurfaceMesh, own: Reference) -> SurfaceMesh:
+    """The surface with every triangle turned so that the mesh whose own boundary is ``own`` lies behind it.
+
+    Files run the triangles of a cavity either way, and some run every face its own. What hangs together over edges of
+    two triangles is turned as one, as most of its area near the mesh's boundary says.
+    """
+    count = len(surface.triangles)
+    _, owners, starts, sizes, forward = surface_edges(surface.triangles, len(surface.points))
+    pairs = starts[sizes == 2]
+    first, second = owners[pairs], owners[pairs + 1]
+    other = count * (forward[pairs] == forward[pairs + 1])
+    # Each triangle is there as it is and, at + count, turned; pieces of this double surface are turned consistently.
+    piece = components(
+        np.concatenate([first, first + count]), np.concatenate([second + other, second + count - other]), 2 * count
+    )
+
+    shell, far = _shell(own, CHORD)
+    normal = _normals(surface.points, surface.triangles)
+    centroids = surface.points[surface.triangles].mean(axis=1)
+    _, nearest, apart = _core.closest_points(own.points, shell, centroids)
+    outward = _normals(own.points, shell)[nearest]
+    vote = np.einsum("ij,ij->i", normal, outward / np.linalg.norm(outward, axis=1)[:, None])
+    vote[apart > far[nearest]] = 0.0
+    votes = np.bincount(piece, np.concatenate([vote, -vote]))
+    turned = votes[piece[count:]] > votes[piece[:count]]
+    triangles = np.where(turned[:, None], surface.triangles[:, ::-1], surface.triangles)
+    return SurfaceMesh(surface.points, triangles, surface.tags)
 
 
 def bounds(surface: SurfaceMesh, own: Reference, deep: float = CHORD) -> bool:
@@ -138,6 +164,13 @@ def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:
     off[triangles[far > tolerance]] = True
     follows = ~off[triangles].any(axis=1)
     return float(min(far[follows].max(initial=0.0), tolerance / 2))
+
+
+def _normals(points: Floats, triangles: Ints) -> Floats:
+    """(t, 3) normals of triangles, twice their area long."""
+    corners = points[triangles]
+    normals: Floats = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normals
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:

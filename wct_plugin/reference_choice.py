@@ -7,7 +7,7 @@ from wct_plugin import _core
 from wct_plugin.composite_reference import composite
 from wct_plugin.errors import NeighbourError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import TOLERANCE, Reference, bounds, clean, given_surface
+from wct_plugin.reference import TOLERANCE, Reference, bounds, clean, facing_out, given_surface
 from wct_plugin.surface import bends, labelled_surface, surface_strata
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ def choose(
     triangles, label = labelled_surface(mesh)
     if len(triangles) > len(mesh.topology.boundary):
         return own, "the mesh has tagged facets inside"
-    whole, apart = clean(surface), (tolerance or TOLERANCE) * surface.diagonal
+    whole, apart = facing_out(clean(surface), own), (tolerance or TOLERANCE) * surface.diagonal
     if not bounds(whole, own):
         partly = "it does not bound the mesh, but has holes, or lies inside or apart from it in places"
         try:
