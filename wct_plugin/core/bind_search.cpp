@@ -1,5 +1,6 @@
 #include "bind_arrays.h"
 #include "bindings.h"
+#include "needles.h"
 #include "predicates.h"
 #include "search.h"
 
@@ -192,9 +193,10 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
 
     TetComplex complex;
     const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.125 * mean_size(wanted, role));
+    const auto needle = needle_cosines(at, cells, region, edges);
     for (std::size_t v = 0; v < at.size(); ++v) {
         const bool inside = role[v] == Stratum::interior;
-        complex.add_vertex({at[v], role[v], inside ? -1 : static_cast<int>(owner[v]), wanted[v]});
+        complex.add_vertex({at[v], role[v], inside ? -1 : static_cast<int>(owner[v]), wanted[v], needle[v]});
     }
     for (std::size_t t = 0; t < cells.size(); ++t)
         complex.add_tet(cells[t], region[t], 0.0);

@@ -32,6 +32,7 @@ void Cloud::keep(const std::vector<char> &which) {
             label[to] = label[i];
             size[to] = size[i];
             near[to] = near[i];
+            held[to] = held[i];
             ++to;
         }
     points.resize(to);
@@ -39,6 +40,7 @@ void Cloud::keep(const std::vector<char> &which) {
     label.resize(to);
     size.resize(to);
     near.resize(to);
+    held.resize(to);
 }
 
 std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point) {

@@ -114,7 +114,7 @@ class Objective {
     /// The part of a field along which the points may move.
     void project(Field &field) const {
         for (std::size_t i = 0; i < field.size(); ++i)
-            switch (cloud_.role[i]) {
+            switch (cloud_.held[i] ? Stratum::corner : cloud_.role[i]) {
             case Stratum::interior:
                 break;
             case Stratum::patch:

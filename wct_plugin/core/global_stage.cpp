@@ -3,6 +3,7 @@
 #include "euler.h"
 #include "pinches.h"
 #include "relax.h"
+#include "sharp_clearance.h"
 
 #include <algorithm>
 #include <chrono>
@@ -129,11 +130,12 @@ bool on_curved(const Cloud &cloud, const Reference &reference, int point) {
     return std::any_of(own.begin(), own.end(), [&](int patch) { return !reference.planar(patch); });
 }
 
-/// Points whose surface edges cut across a bend.
-std::vector<char> curved_points(const Cloud &cloud, const Reference &reference) {
+/// Points whose surface edges cut across a bend, but for those of sharp edges, which are far from the next.
+std::vector<char> curved_points(const Cloud &cloud, const Reference &reference, const SharpEdges &sharp) {
     std::vector<char> curved(cloud.count(), 0);
     for (std::size_t i = 0; i < cloud.count(); ++i)
-        curved[i] = on_curved(cloud, reference, static_cast<int>(i));
+        curved[i] = on_curved(cloud, reference, static_cast<int>(i)) &&
+                    !(cloud.role[i] == Stratum::crease && sharp.of_curve(cloud.label[i]));
     return curved;
 }
 
@@ -302,9 +304,11 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             if (sweep >= form.mend_from && sweep % 4 == 0 && sweep + 4 < form.sweeps)
                 if (mend(cloud, reference, complex, form.longest, form.shortest) > 0) {
                     drop_twins(cloud);
+                    clear_sharp(cloud, sizing);
                     complex = restricted_delaunay(cloud, reference, map, workers);
                 }
             relax(cloud, reference, complex, form.step, workers);
+            keep_off_sharp(cloud, reference, sizing, workers);
             if (sweep % 8 == 7)
                 refresh_sizes(cloud, sizing, workers);
             monitor.work(complex.all.tets.size(), 0.0);
@@ -358,8 +362,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             if (!form.cosines)
                 energy.weight2 = 0.0;
             const std::size_t evaluations =
-                descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference), fit, ties,
-                        form.iterations, form.reach);
+                descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference, sizing.sharp()),
+                        fit, ties, form.iterations, form.reach);
             monitor.work(evaluations, static_cast<double>(round) / form.rounds);
         }
         lap("descent");

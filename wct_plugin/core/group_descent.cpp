@@ -40,9 +40,10 @@ void GroupDescent::load() {
         const Tet &tet = complex_.tet(tets_[std::min(k, tets_.size() - 1)]);
         for (int i = 0; i < 4; ++i)
             lanes_[k / kLanes].set(static_cast<int>(k % kLanes), i, complex_.point(tet[i]));
+        terms_[k / kLanes].needle[static_cast<int>(k % kLanes)] = SearchEnergy::needle(complex_, tet);
     }
     for (std::size_t g = 0; g < groups; ++g)
-        terms_[g] = SearchEnergy::present_terms(lanes_[g]);
+        terms_[g].bounds = SearchEnergy::present_bounds(lanes_[g]);
 }
 
 /// Free vertices at from + t step, each on its stratum; false if one may not move at all.

@@ -35,7 +35,7 @@ class GroupDescent {
     std::vector<int> number_;                 // per vertex: its place in free_, -1 between calls
     std::vector<std::array<int, 4>> corners_; // per tet: places in free_, -1 for corners that stay
     std::vector<TetLanes> lanes_;
-    std::vector<TermLanes> terms_;
+    std::vector<SearchTerms> terms_;
     std::vector<std::int32_t> hints_; // per free vertex: where the surface was found
     std::vector<Freedom> freedoms_;
     std::vector<Tet> measured_;

@@ -43,7 +43,8 @@ Interior fill(const PinnedFacets &facets, const Reference &reference, const Inpu
     Cloud cloud;
     Complex complex;
     SizingForm sizes;
-    sizes.tolerance = sizes.thickness = 1e100; // the surface does not change: neither bend nor thickness matters
+    sizes.tolerance = sizes.thickness = 1e100; // the surface does not change: neither bend nor thickness matters,
+    sizes.sharp = false;                       // nor how sharp its edges are
     sizes.coarsen = form.size;
     std::optional<Sizing> sizing;
     constexpr int tries = 5;

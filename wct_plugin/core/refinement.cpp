@@ -52,6 +52,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     if (curve >= 0) {
         middle.stratum = Stratum::crease;
         middle.label = curve;
+        middle.needle = std::max(complex_.vertex(a).needle, complex_.vertex(b).needle);
     } else if (!facet_patches.empty()) {
         middle.stratum = Stratum::patch;
         middle.label = facet_patches[0];

@@ -83,7 +83,7 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
     const std::vector<Vec3> before = points;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Mean &mean = cloud.role[i] == Stratum::interior ? inner[i] : outer[i];
-        const bool free = cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch;
+        const bool free = !cloud.held[i] && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
         if (free && mean.weight > 0.0)
             cloud.points[i] += step * ((1.0 / mean.weight) * mean.sum - cloud.points[i]);
     }

@@ -2,6 +2,7 @@
 
 #include "multiversion.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -30,12 +31,12 @@ void load_tet(const TetComplex &complex, const Tet &tet, TetLanes &lanes, int la
 } // namespace
 
 WCT_MULTIVERSION
-static void add_needles(const ShapeLanes &shape, double least, double weight, Lanes &energy, SlopeLanes *slopes) {
+static void add_needles(const ShapeLanes &shape, const Lanes &least, double weight, Lanes &energy, SlopeLanes *slopes) {
     const Lanes *__restrict cosine = shape.cosine;
     Lanes sum{};
     for (int k = 0; k < 12; ++k)
         for (int lane = 0; lane < kLanes; ++lane) {
-            const double over = cosine[k].at[lane] - least;
+            const double over = cosine[k].at[lane] - least.at[lane];
             const double needle = over > 0.0 ? over : 0.0;
             sum.at[lane] += needle * needle;
         }
@@ -46,7 +47,7 @@ static void add_needles(const ShapeLanes &shape, double least, double weight, La
     Lanes *__restrict slope = slopes->cosine;
     for (int k = 0; k < 12; ++k)
         for (int lane = 0; lane < kLanes; ++lane) {
-            const double over = cosine[k].at[lane] - least;
+            const double over = cosine[k].at[lane] - least.at[lane];
             slope[k].at[lane] += 2.0 * weight * (over > 0.0 ? over : 0.0);
         }
 }
@@ -68,7 +69,7 @@ static void add_counts(const ShapeLanes &shape, const SearchForm &form, Lanes &e
             (worst.at[lane] <= f.clearance ? f.count : 0.0) + (worst.at[lane] <= f.hard_clearance ? f.hard_count : 0.0);
 }
 
-bool SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient, bool count,
+bool SearchEnergy::evaluate(const TetLanes &tets, const SearchTerms &terms, Lanes &energy, Lanes *gradient, bool count,
                             int used, double limit) const {
     const bool cosines = form_.shape.weight2 != 0.0 || form_.needle_weight != 0.0;
     ShapeLanes shape;
@@ -78,12 +79,12 @@ bool SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes 
         if (cosines && form_.shape.weight2 == 0.0)
             for (Lanes &slope : slopes.cosine)
                 slope = Lanes{};
-        penalize(shape, form_.shape, terms, energy, slopes);
+        penalize(shape, form_.shape, terms.bounds, energy, slopes);
     } else {
-        penalize(shape, form_.shape, terms, energy);
+        penalize(shape, form_.shape, terms.bounds, energy);
     }
     if (form_.needle_weight != 0.0)
-        add_needles(shape, form_.needle_cosine, form_.needle_weight, energy, gradient ? &slopes : nullptr);
+        add_needles(shape, terms.needle, form_.needle_weight, energy, gradient ? &slopes : nullptr);
     if (count)
         add_counts(shape, form_, energy);
     evaluations_ += kLanes;
@@ -94,7 +95,8 @@ bool SearchEnergy::evaluate(const TetLanes &tets, const TermLanes &terms, Lanes 
     return true;
 }
 
-void SearchEnergy::smooth(const TetLanes &tets, const TermLanes &terms, Lanes &energy, GradientLanes &gradient) const {
+void SearchEnergy::smooth(const TetLanes &tets, const SearchTerms &terms, Lanes &energy,
+                          GradientLanes &gradient) const {
     constexpr double margin = 0.06;
     const bool acute = form_.shape.weight2 != 0.0;
     const EnergyForm form{.margin3 = margin,
@@ -109,20 +111,23 @@ void SearchEnergy::smooth(const TetLanes &tets, const TermLanes &terms, Lanes &e
     if (!acute)
         for (Lanes &slope : slopes.cosine)
             slope = Lanes{};
-    penalize(shape, form, terms, energy, slopes);
-    add_needles(shape, form_.needle_cosine, form_.needle_weight, energy, &slopes);
+    penalize(shape, form, terms.bounds, energy, slopes);
+    add_needles(shape, terms.needle, form_.needle_weight, energy, &slopes);
     differentiate(tets, shape, slopes, true, gradient);
     evaluations_ += kLanes;
 }
 
 void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const {
     TetLanes lanes;
-    const TermLanes terms = flatness_terms(kDegenerate);
+    SearchTerms terms{flatness_terms(kDegenerate), {}};
     Lanes energy;
     for (std::size_t begin = 0; begin < tets.size(); begin += kLanes) {
         const int used = static_cast<int>(std::min<std::size_t>(kLanes, tets.size() - begin));
-        for (int lane = 0; lane < kLanes; ++lane)
-            load_tet(complex, tets[begin + (lane < used ? lane : 0)], lanes, lane);
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const Tet &tet = tets[begin + (lane < used ? lane : 0)];
+            load_tet(complex, tet, lanes, lane);
+            terms.needle[lane] = needle(complex, tet);
+        }
         evaluate(lanes, terms, energy, nullptr, true);
         for (int lane = 0; lane < used; ++lane)
             energies[begin + lane] = energy[lane] + over(complex, tets[begin + lane]);
@@ -153,13 +158,16 @@ bool SearchEnergy::below(const TetComplex &complex, std::span<const Tet> tets, d
 double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const {
     TetLanes lanes;
     Lanes energy;
-    for (int lane = 0; lane < kLanes; ++lane)
+    SearchTerms terms{flatness_terms(-kInfinity), {}};
+    for (int lane = 0; lane < kLanes; ++lane) {
         load_tet(complex, tet, lanes, lane);
-    evaluate(lanes, flatness_terms(-kInfinity), energy, nullptr, true);
+        terms.needle[lane] = needle(complex, tet);
+    }
+    evaluate(lanes, terms, energy, nullptr, true);
     return energy[0] + over(complex, tet);
 }
 
-TermLanes SearchEnergy::present_terms(const TetLanes &tets) {
+TermLanes SearchEnergy::present_bounds(const TetLanes &tets) {
     TermLanes terms = flatness_terms(kDegenerate);
     WorstLanes worst;
     measure_worst(tets, false, worst);
@@ -167,6 +175,11 @@ TermLanes SearchEnergy::present_terms(const TetLanes &tets) {
         if (worst.flatness[lane] <= kDegenerate)
             terms.flatness[lane] = 0.999 * worst.flatness[lane];
     return terms;
+}
+
+double SearchEnergy::needle(const TetComplex &complex, const Tet &tet) {
+    return std::max({complex.vertex(tet[0]).needle, complex.vertex(tet[1]).needle, complex.vertex(tet[2]).needle,
+                     complex.vertex(tet[3]).needle});
 }
 
 void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) const {
@@ -178,9 +191,11 @@ void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) con
     for (std::size_t g = 0; g < groups; ++g) {
         for (int lane = 0; lane < kLanes; ++lane) {
             const std::size_t k = g * kLanes + lane;
-            load_star_tet(complex, complex.tet(tets[k < tets.size() ? k : g * kLanes]), v, star.lanes[g], lane);
+            const Tet &tet = complex.tet(tets[k < tets.size() ? k : g * kLanes]);
+            load_star_tet(complex, tet, v, star.lanes[g], lane);
+            star.terms[g].needle[lane] = needle(complex, tet);
         }
-        star.terms[g] = present_terms(star.lanes[g]);
+        star.terms[g].bounds = present_bounds(star.lanes[g]);
     }
 }
 

@@ -13,8 +13,7 @@ namespace wct {
 /// only h/R is penalised), and a count of the tets that miss the goal by less than `clearance`.
 struct SearchForm {
     EnergyForm shape;
-    double needle_cosine = 0.9; // angles below 25.8 degrees
-    double needle_weight = 100.0;
+    double needle_weight = 100.0; // see Vertex::needle
     double count = 0.05;
     /// Exact right angles (cos about 1e-17) must not pass for acute.
     double clearance = 2e-3;
@@ -25,10 +24,16 @@ struct SearchForm {
     double over_weight = 0.5;
 };
 
+/// What the energies of tets in lanes depend on besides their shapes.
+struct SearchTerms {
+    TermLanes bounds;
+    Lanes needle; // cosine above which an angle is one
+};
+
 /// A vertex star in lanes, the vertex as corner 0 of every tet: only that corner changes while the vertex moves.
 struct StarLanes {
     std::vector<TetLanes> lanes;
-    std::vector<TermLanes> terms;
+    std::vector<SearchTerms> terms;
     int count = 0;
 };
 
@@ -54,7 +59,9 @@ class SearchEnergy {
 
     /// Terms for tets that exist already: one that came in flatter than allowed must not hold its vertices for ever, so
     /// it may stay as flat as it is.
-    static TermLanes present_terms(const TetLanes &tets);
+    static TermLanes present_bounds(const TetLanes &tets);
+    /// Of a tet's vertices the one that allows the sharpest angles decides.
+    static double needle(const TetComplex &complex, const Tet &tet);
     void gather(const TetComplex &complex, int v, StarLanes &star) const;
     double over(const TetComplex &complex, const Tet &tet) const { return form_.over_weight * complex.over(tet); }
     /// Sum of the smooth part (no count) over the star with its vertex at x; gradient with respect to x. Infinite where
@@ -66,14 +73,14 @@ class SearchEnergy {
 
     /// Energies and gradients at all corners in a smooth form, for vertices that move together: quadratic penalties, no
     /// count.
-    void smooth(const TetLanes &tets, const TermLanes &terms, Lanes &energy, GradientLanes &gradient) const;
+    void smooth(const TetLanes &tets, const SearchTerms &terms, Lanes &energy, GradientLanes &gradient) const;
 
     /// Tet energies (and gradients) evaluated so far.
     long evaluations() const { return evaluations_; }
 
   private:
     /// False, and no gradient, where the first `used` energies come to more than `limit`.
-    bool evaluate(const TetLanes &tets, const TermLanes &terms, Lanes &energy, Lanes *gradient, bool count,
+    bool evaluate(const TetLanes &tets, const SearchTerms &terms, Lanes &energy, Lanes *gradient, bool count,
                   int used = kLanes, double limit = std::numeric_limits<double>::infinity()) const;
 
     SearchForm form_;

@@ -1,6 +1,7 @@
 #include "seeds.h"
 
 #include "seed_corners.h"
+#include "sharp_clearance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,6 +27,7 @@ void seed_curves(Cloud &cloud, const Reference &reference, const Sizing &sizing)
         const Curve &curve = reference.curves()[c];
         if (curve.vertices.size() < 2)
             continue;
+        const bool own = sizing.sharp().of_curve(static_cast<int>(c));
         // Arc length in units of the local edge length, on a polyline fine enough for the size field.
         struct Step {
             Vec3 from, to;
@@ -42,7 +44,10 @@ void seed_curves(Cloud &cloud, const Reference &reference, const Sizing &sizing)
             for (int j = 0; j < parts; ++j) {
                 const Vec3 p = a + (static_cast<double>(j) / parts) * (b - a);
                 const Vec3 q = a + (static_cast<double>(j + 1) / parts) * (b - a);
-                const double length = norm(q - p) / size_at(sizing, 0.5 * (p + q));
+                const Vec3 middle = 0.5 * (p + q);
+                const SharpFoot sharp = own ? SharpFoot{} : sizing.cleared_by(middle);
+                const double length =
+                    norm(q - p) / (sharp.edge < 0 ? size_at(sizing, middle) : sizing.clearance(sharp));
                 steps.push_back({p, q, total, length});
                 total += length;
             }
@@ -323,10 +328,12 @@ Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing 
     for (const int v : reference.data().corners)
         cloud.add(reference.data().points[v], Stratum::corner, v, size_at(sizing, reference.data().points[v]));
     seed_curves(cloud, reference, sizing);
+    seed_sharp_rows(cloud, reference, sizing);
     seed_corners(cloud, reference);
     seed_patches(cloud, reference, sizing, form, random);
     seed_inside(cloud, reference, map, sizing, form, random);
     retract(cloud, reference, workers);
+    clear_sharp(cloud, sizing);
     return cloud;
 }
 

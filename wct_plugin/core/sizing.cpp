@@ -58,7 +58,7 @@ double unit_sag(double k1, double k2) {
 
 Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
                std::span<const double> wanted, const Workers &workers)
-    : reference_(reference), mesh_(mesh), map_(map), form_(form) {
+    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference) {
     make_input_sizes(wanted);
     const auto &points = reference.data().points;
     limit_.resize(points.size());
@@ -67,6 +67,8 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     surface = limit_;
     limit_by_curvature();
     limit_by_creases();
+    if (form.sharp)
+        limit_by_sharp_edges();
     grade();
 }
 
@@ -184,16 +186,20 @@ double Sizing::thickness_at(int triangle) const {
 
 void Sizing::limit_by_thickness(const Workers &workers) {
     const auto &data = reference_.data();
-    const auto has_side = [&](std::size_t t) { return !(reference_.normal(static_cast<int>(t)) == Vec3{}); };
     std::vector<double> thin(data.triangles.size());
+    std::vector<char> measured(data.triangles.size(), 0);
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
-        if (has_side(t))
+        const auto &[a, b, c] = data.triangles[t];
+        const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
+        const double size = std::max({limit_[a], limit_[b], limit_[c]});
+        measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
+        if (measured[t])
             thin[t] = thickness_at(static_cast<int>(t));
     });
     std::vector<double> sum(data.points.size(), 0.0);
     std::vector<double> weight(data.points.size(), 0.0);
     for (std::size_t t = 0; t < thin.size(); ++t)
-        if (has_side(t))
+        if (measured[t])
             for (const int at : data.triangles[t]) {
                 sum[at] += reference_.area(static_cast<int>(t)) * thin[t];
                 weight[at] += reference_.area(static_cast<int>(t));
@@ -201,6 +207,28 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     for (std::size_t v = 0; v < sum.size(); ++v)
         if (weight[v] > 0.0)
             limit_[v] = std::min(limit_[v], form_.thickness * sum[v] / weight[v]);
+}
+
+void Sizing::limit_by_sharp_edges() {
+    std::vector<double> narrow(surface.size(), 1.0);
+    for (int edge = 0; edge < sharp_.count(); ++edge)
+        for (const int v : sharp_.ends(edge))
+            narrow[v] = std::min(narrow[v], sharp_.narrow(edge));
+    for (std::size_t v = 0; v < surface.size(); ++v)
+        surface[v] *= narrow[v];
+}
+
+double Sizing::clearance(const SharpFoot &foot) const {
+    constexpr double thick = 0.8; // the region there, in edges along the crease
+    const auto &[v, w] = sharp_.ends(foot.edge);
+    return thick * ((1.0 - foot.along) * surface[v] + foot.along * surface[w]) / foot.narrow;
+}
+
+SharpFoot Sizing::cleared_by(const Vec3 &p) const {
+    if (sharp_.empty())
+        return {};
+    const SharpFoot foot = sharp_.nearest(p, form_.coarsen * largest_);
+    return foot.edge >= 0 && foot.distance < clearance(foot) ? foot : SharpFoot{};
 }
 
 void Sizing::grade() {

@@ -3,6 +3,7 @@
 #include "parallel.h"
 #include "reference.h"
 #include "region_map.h"
+#include "sharp_edges.h"
 
 #include <span>
 #include <vector>
@@ -13,6 +14,7 @@ struct SizingForm {
     double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
     double thickness = 0.8; // size per local thickness
     double gap = 1.0;       // size per distance to the other side of a gap outside
+    bool sharp = true;      // shorter edges along sharp edges
     double coarsen = 1.0;   // how far inside sizes may exceed the input's own
 
     static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
@@ -42,6 +44,11 @@ class Sizing {
     double smallest() const { return smallest_; }
     double largest() const { return largest_; }
     const SizingForm &form() const { return form_; }
+    const SharpEdges &sharp() const { return sharp_; }
+    /// How far from a sharp edge the first vertices off it belong.
+    double clearance(const SharpFoot &foot) const;
+    /// The sharp edge within whose clearance p is, if it is in one.
+    SharpFoot cleared_by(const Vec3 &p) const;
 
     /// Edge length per reference vertex. After changing it call grade().
     std::vector<double> surface;
@@ -56,13 +63,17 @@ class Sizing {
     /// No crease is shorter than the edges it must have: where edges round its ends are longer, tets there are too few
     /// to open the angles between its neighbours.
     void limit_by_creases();
+    /// Not near sharp edges, where thickness goes to nothing.
     void limit_by_thickness(const Workers &workers);
+    /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
+    void limit_by_sharp_edges();
     double thickness_at(int triangle) const;
 
     const Reference &reference_;
     const InputMesh &mesh_;
     const RegionMap &map_;
     SizingForm form_;
+    SharpEdges sharp_;
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;

@@ -31,6 +31,9 @@ struct Vertex {
     Stratum stratum = Stratum::interior;
     int label = -1;    // patch, curve or point of the surface that it stays on; -1: none, or a corner that is pinned
     double size = 0.0; // edge length wanted here
+    /// Cosine above which angles of the tets here are like needles: those below 25.8 degrees, but at a crease that is
+    /// as sharp itself.
+    double needle = 0.9;
 };
 
 /// A tetrahedral mesh under change. Surface facets (the boundary and the interfaces between regions) know their patch,

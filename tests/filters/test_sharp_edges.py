@@ -1,0 +1,41 @@
+"""Wedges: at a sharp edge every tet is as sharp, and the sizes there must not follow the thickness to nothing."""
+
+import numpy as np
+import pytest
+from builders import kuhn_cube, rotation
+
+from wct_plugin import apply_filter, quality
+from wct_plugin.deviation import deviation
+from wct_plugin.mesh import TetMesh
+
+
+def wedge(degrees, n):
+    """A right prism over a triangle with this angle between its sides through the origin, in a general position."""
+    cube = kuhn_cube(n)
+    centers = cube.points[cube.tets].mean(axis=1)
+    turned = cube.points * [1.0, np.tan(np.radians(degrees)), 1.0] @ rotation(3).T
+    return TetMesh(turned, cube.tets[centers[:, 1] < centers[:, 0]])
+
+
+def _volume(mesh):
+    return quality.volumes(mesh.points, mesh.tets).sum()
+
+
+@pytest.mark.parametrize("degrees", [25, 32, 45])
+def test_a_wedge_becomes_well_centered_without_many_more_tets(degrees):
+    mesh = wedge(degrees, 9)
+    better, metrics = apply_filter("meshing_well_centered", mesh)
+    assert metrics["bad"] == 0
+    assert quality.measure(better).completely_well_centered.all()
+    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+    assert _volume(better) == pytest.approx(_volume(mesh), rel=1e-12)
+    assert len(better.tets) <= 1.6 * len(mesh.tets)
+
+
+def test_a_finer_reference_hardly_makes_finer_tets_at_a_sharp_edge():
+    mesh = wedge(32, 6)
+    coarse, fine = (
+        apply_filter("meshing_well_centered", mesh, reference=wedge(32, n).boundary_surface(), tolerance=1e-3)[0]
+        for n in (6, 36)
+    )
+    assert len(fine.tets) <= 1.6 * len(coarse.tets)

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "cloud.h"
+#include "sizing.h"
+
+namespace wct {
+
+/// Put a row of points along the rim of each sharp edge's clearance on either side, for a cloud that has the points of
+/// its curves: one per step along the crease, at a third of it and at two thirds. Crease and rows then run round each
+/// other like the strands of a Boerdijk-Coxeter helix, whose tets are well-centered however thin the region is.
+void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &sizing);
+
+/// Drop points of patches and of the inside that are well within the clearance of a sharp edge. See SharpEdges.
+void clear_sharp(Cloud &cloud, const Sizing &sizing);
+
+/// Move those that are within it to its rim, where relaxation drew them in.
+void keep_off_sharp(Cloud &cloud, const Reference &reference, const Sizing &sizing, const Workers &workers);
+
+} // namespace wct
