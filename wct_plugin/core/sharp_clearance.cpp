@@ -31,8 +31,9 @@ Vec3 away(const Reference &reference, int triangle, const std::array<int, 2> &ed
 } // namespace
 
 void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &sizing) {
-    constexpr double off = 0.3;   // farther from its patch than this share of the clearance, a point is none of it
-    constexpr double apart = 0.4; // of the size, from other points
+    constexpr double off = 0.3;    // farther from its patch than this share of the clearance, a point is none of it
+    constexpr double apart = 0.4;  // of the size, from other points
+    constexpr double kRows = 0.85; // blunter edges do as well without: 50 degrees
     const SharpEdges &sharp = sizing.sharp();
     if (sharp.empty())
         return;
@@ -41,7 +42,7 @@ void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &siz
         grid.add(cloud.points[i], apart * cloud.size[i]);
     const auto stand = [&](const Vec3 &at, const Vec3 &along, double size, int row) {
         const SharpFoot foot = sharp.nearest(at, size);
-        if (foot.edge < 0)
+        if (foot.edge < 0 || foot.narrow > kRows)
             return;
         // The first row is on the side whose triangles run along the crease as its points do.
         const auto &beside = sharp.beside(foot.edge);
