@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wct_plugin import _core
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.surface import Strata, bends, components, strata, surface_edges, surface_strata
+from wct_plugin.surface import Strata, bends, components, normals, strata, surface_edges, surface_strata
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -74,7 +74,7 @@ def clean(surface: SurfaceMesh) -> SurfaceMesh:
     """The surface with equal points merged, flat and repeated triangles dropped."""
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[surface.triangles]
-    area = np.linalg.norm(_normals(points, triangles), axis=1)
+    area = np.linalg.norm(normals(points, triangles), axis=1)
     sound = area > 1e-14 * surface.diagonal**2
     triangles, tags = triangles[sound], surface.tags[sound]
     _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
@@ -100,10 +100,10 @@ def facing_out(surface: SurfaceMesh, own: Reference) -> SurfaceMesh:
     )
 
     shell, far = _shell(own, CHORD)
-    normal = _normals(surface.points, surface.triangles)
+    normal = normals(surface.points, surface.triangles)
     centroids = surface.points[surface.triangles].mean(axis=1)
     _, nearest, apart = _core.closest_points(own.points, shell, centroids)
-    outward = _normals(own.points, shell)[nearest]
+    outward = normals(own.points, shell)[nearest]
     vote = np.einsum("ij,ij->i", normal, outward / np.linalg.norm(outward, axis=1)[:, None])
     vote[apart > far[nearest]] = 0.0
     votes = np.bincount(piece, np.concatenate([vote, -vote]))
@@ -164,13 +164,6 @@ def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:
     off[triangles[far > tolerance]] = True
     follows = ~off[triangles].any(axis=1)
     return float(min(far[follows].max(initial=0.0), tolerance / 2))
-
-
-def _normals(points: Floats, triangles: Ints) -> Floats:
-    """(t, 3) normals of triangles, twice their area long."""
-    corners = points[triangles]
-    normals: Floats = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return normals
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:

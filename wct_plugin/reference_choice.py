@@ -8,7 +8,7 @@ from wct_plugin.composite_reference import composite
 from wct_plugin.errors import NeighbourError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.reference import TOLERANCE, Reference, bounds, clean, facing_out, given_surface
-from wct_plugin.surface import bends, labelled_surface, surface_strata
+from wct_plugin.surface import bends, labelled_surface, normals, surface_strata
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -85,9 +85,7 @@ def _cut(
 
 
 def _areas(points: Floats, triangles: Ints) -> Floats:
-    corners = points[triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas: Floats = np.linalg.norm(normal, axis=1) / 2.0
+    areas: Floats = np.linalg.norm(normals(points, triangles), axis=1) / 2.0
     return areas
 
 

@@ -153,6 +153,13 @@ def labelled_surface(mesh: TetMesh) -> tuple[Ints, Ints]:
     return triangles, _distinct(np.column_stack([np.concatenate(sides), groups]))
 
 
+def normals(points: Floats, triangles: Ints) -> Floats:
+    """(t, 3) normals of triangles (t, 3) on ``points`` (n, 3), twice their area long."""
+    corners = points[triangles]
+    out: Floats = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return out
+
+
 def enclosed_volume(points: Floats, triangles: Ints) -> float:
     """Volume inside a closed surface of outward triangles (k, 3) on ``points`` (n, 3); negative if they run inward."""
     corners = points[triangles] - points[triangles].mean(axis=(0, 1))  # near the origin nothing cancels
@@ -217,9 +224,8 @@ def surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, 
 
 def _bend(points: Floats, triangles: Ints, first: Ints, second: Ints, same_way: Bools) -> Floats:
     """Angle in radians between two triangles' normals; they disagree on a side where both run the same way."""
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    a, b = normals[first], normals[second] * np.where(same_way, -1.0, 1.0)[:, None]
+    across = normals(points, triangles)
+    a, b = across[first], across[second] * np.where(same_way, -1.0, 1.0)[:, None]
     return _angle(a, b)
 
 

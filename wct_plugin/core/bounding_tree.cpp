@@ -1,12 +1,11 @@
 #include "bounding_tree.h"
 
+#include "bvh.h"
+
 namespace wct {
 
 Vec3 closest_on(const std::array<Vec3, 2> &segment, const Vec3 &x) {
-    const Vec3 along = segment[1] - segment[0];
-    const double length = dot(along, along);
-    const double t = length > 0.0 ? std::clamp(dot(x - segment[0], along) / length, 0.0, 1.0) : 0.0;
-    return segment[0] + t * along;
+    return nearest_on_segment(x, segment[0], segment[1]).point;
 }
 
 /// By the Voronoi regions of corners, edges and interior (Ericson, "Real-Time Collision Detection", 5.1.5).

@@ -64,6 +64,14 @@ std::vector<double> BoxTree::smallest(std::span<const double> values) const {
     return out;
 }
 
+SegmentPoint nearest_on_segment(const Vec3 &p, const Vec3 &a, const Vec3 &b) {
+    const Vec3 d = b - a;
+    const double length = dot(d, d);
+    const double t = length > 0.0 ? std::clamp(dot(p - a, d) / length, 0.0, 1.0) : 0.0;
+    const Vec3 q = a + t * d;
+    return {q, t, dot(p - q, p - q)};
+}
+
 TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
     const auto at = [&](double u, double v, double w) {
         TrianglePoint out{u * a + v * b + w * c, {u, v, w}, 0.0};

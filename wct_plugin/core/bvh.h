@@ -128,6 +128,13 @@ struct TrianglePoint {
     double weight[3];
     double square; // squared distance to p
 };
+/// The same of a segment from a to b.
+struct SegmentPoint {
+    Vec3 point;
+    double along; // 0 at a, 1 at b
+    double square;
+};
+SegmentPoint nearest_on_segment(const Vec3 &p, const Vec3 &a, const Vec3 &b);
 TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
 /// A squared distance a hair above this one, which rounding cannot carry a nearer point across. `scale`: the largest

@@ -133,8 +133,7 @@ void Reference::make_normals() {
             if (pq > 0.0) {
                 // Max's weights: the normal is exact where all vertices around lie on a sphere.
                 wedge_normal_[wedges_[t][k]] += (norm(cross(p, q)) / pq) * normals_.back();
-                const double angle = std::atan2(norm(cross(p, q)), dot(p, q));
-                vertex_normal_[v] += angle * normals_.back();
+                vertex_normal_[v] += angle(p, q) * normals_.back();
             }
             sides.push_back({{std::min(v, w), std::max(v, w)}, static_cast<int>(t), (k + 2) % 3});
         }

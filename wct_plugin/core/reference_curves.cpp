@@ -169,14 +169,10 @@ CurveFoot Reference::nearest_on_curve(const Vec3 &p, int which, bool shifted) co
                 a += curve.shift[k];
                 b += curve.shift[l];
             }
-            const Vec3 d = b - a;
-            const double length = dot(d, d);
-            const double t = length > 0.0 ? std::clamp(dot(p - a, d) / length, 0.0, 1.0) : 0.0;
-            const Vec3 q = a + t * d;
-            const double far = dot(p - q, p - q);
-            if (far < best)
-                foot = {q, unit(d), k, t, 0.0};
-            return far;
+            const SegmentPoint at = nearest_on_segment(p, a, b);
+            if (at.square < best)
+                foot = {at.point, unit(b - a), k, at.along, 0.0};
+            return at.square;
         });
     foot.distance = std::sqrt(square);
     return foot;

@@ -57,8 +57,8 @@ class SearchEnergy {
     /// The same for a tet that exists already: finite however flat it is, as long as it is not inverted.
     double of_present(const TetComplex &complex, const Tet &tet) const;
 
-    /// Terms for tets that exist already: one that came in flatter than allowed must not hold its vertices for ever, so
-    /// it may stay as flat as it is.
+    /// Bounds for tets that exist already: one that came in flatter than allowed must not hold its vertices for ever,
+    /// so it may stay as flat as it is.
     static TermLanes present_bounds(const TetLanes &tets);
     /// Of a tet's vertices the one that allows the sharpest angles decides.
     static double needle(const TetComplex &complex, const Tet &tet);

@@ -68,10 +68,10 @@ void seed_corners(Cloud &cloud, const Reference &reference) {
                 continue;
             const Vec3 p = data.points[data.triangles[t][(k + 1) % 3]] - data.points[v];
             const Vec3 q = data.points[data.triangles[t][(k + 2) % 3]] - data.points[v];
-            const double angle = std::atan2(norm(cross(p, q)), dot(p, q));
+            const double wide = angle(p, q);
             Opening &opening = openings[{v, data.patch[t]}];
-            opening.angle += angle;
-            opening.normal += angle * reference.normal(static_cast<int>(t));
+            opening.angle += wide;
+            opening.normal += wide * reference.normal(static_cast<int>(t));
         }
     std::map<int, std::vector<Spoke>> spokes; // corner point -> its creases
     const auto chains = curve_chains(cloud, reference);

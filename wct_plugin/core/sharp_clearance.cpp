@@ -42,7 +42,7 @@ void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &siz
         grid.add(cloud.points[i], apart * cloud.size[i]);
     const auto stand = [&](const Vec3 &at, const Vec3 &along, double size, int row) {
         const SharpFoot foot = sharp.nearest(at, size);
-        if (foot.edge < 0 || foot.narrow > kRows)
+        if (foot.edge < 0 || sharp.narrow(foot.edge) > kRows)
             return;
         // The first row is on the side whose triangles run along the crease as its points do.
         const auto &beside = sharp.beside(foot.edge);

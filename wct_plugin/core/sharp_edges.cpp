@@ -34,12 +34,11 @@ SharpEdges::SharpEdges(const Reference &reference) : reference_(reference), curv
         for (const int u : data.triangles[own[1]])
             if (u != v && u != w)
                 apex = u;
-        const double bend = std::atan2(norm(cross(n, m)), dot(n, m));
         const bool ridge = dot(data.points[apex] - data.points[v], n) < 0.0;
-        const double angle = 3.141592653589793 - bend; // on the side where it is less than half a turn
-        if (angle >= kSharp || angle <= 0.0 || data.sides[data.patch[own[0]]][ridge ? 0 : 1] < 0)
+        const double inside = 3.141592653589793 - angle(n, m); // on the side where it is less than half a turn
+        if (inside >= kSharp || inside <= 0.0 || data.sides[data.patch[own[0]]][ridge ? 0 : 1] < 0)
             continue;
-        edges_.push_back({{v, w}, {own[0], own[1]}, 2.0 * std::sin(0.5 * angle)});
+        edges_.push_back({{v, w}, {own[0], own[1]}, 2.0 * std::sin(0.5 * inside)});
         curves_[data.curve[s]] = 1;
         Box box;
         box.add(data.points[v]);
@@ -55,15 +54,11 @@ SharpFoot SharpEdges::nearest(const Vec3 &p, double most) const {
         most * most, [&](std::size_t node) { return tree_.box(node).square(p); },
         [&](std::size_t item, double best) {
             const SharpEdge &edge = edges_[item];
-            const Vec3 &a = reference_.data().points[edge.ends[0]];
-            const Vec3 d = reference_.data().points[edge.ends[1]] - a;
-            const double length = dot(d, d);
-            const double t = length > 0.0 ? std::clamp(dot(p - a, d) / length, 0.0, 1.0) : 0.0;
-            const Vec3 q = a + t * d;
-            const double far = dot(p - q, p - q);
-            if (far < best)
-                foot = {q, static_cast<int>(item), t, edge.narrow, 0.0};
-            return far;
+            const auto &points = reference_.data().points;
+            const SegmentPoint at = nearest_on_segment(p, points[edge.ends[0]], points[edge.ends[1]]);
+            if (at.square < best)
+                foot = {at.point, static_cast<int>(item), at.along, 0.0};
+            return at.square;
         });
     foot.distance = std::sqrt(square);
     return foot;

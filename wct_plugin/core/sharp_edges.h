@@ -9,9 +9,8 @@ namespace wct {
 /// A point of a sharp edge.
 struct SharpFoot {
     Vec3 point;
-    int edge = -1;       // of SharpEdges; -1: none is near enough
-    double along = 0.0;  // from its first end, 0 to 1
-    double narrow = 1.0; // how thick the region is at the distance 1 from it
+    int edge = -1;      // of SharpEdges; -1: none is near enough
+    double along = 0.0; // from its first end, 0 to 1
     double distance = 0.0;
 };
 
@@ -29,6 +28,7 @@ class SharpEdges {
     SharpFoot nearest(const Vec3 &p, double most) const;
     /// Vertices of the reference at its ends.
     const std::array<int, 2> &ends(int edge) const { return edges_[edge].ends; }
+    /// How thick the region is at the distance 1 from it.
     double narrow(int edge) const { return edges_[edge].narrow; }
     /// The triangles on either side.
     const std::array<int, 2> &beside(int edge) const { return edges_[edge].beside; }

@@ -221,7 +221,7 @@ void Sizing::limit_by_sharp_edges() {
 double Sizing::clearance(const SharpFoot &foot) const {
     constexpr double thick = 0.8; // the region there, in edges along the crease
     const auto &[v, w] = sharp_.ends(foot.edge);
-    return thick * ((1.0 - foot.along) * surface[v] + foot.along * surface[w]) / foot.narrow;
+    return thick * ((1.0 - foot.along) * surface[v] + foot.along * surface[w]) / sharp_.narrow(foot.edge);
 }
 
 SharpFoot Sizing::cleared_by(const Vec3 &p) const {

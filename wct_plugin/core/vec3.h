@@ -48,6 +48,10 @@ inline Vec3 unit(const Vec3 &v) {
     const double length = norm(v);
     return length > 0.0 ? (1.0 / length) * v : Vec3{};
 }
+/// In radians between two vectors, accurate near 0 and half a turn.
+inline double angle(const Vec3 &a, const Vec3 &b) {
+    return std::atan2(norm(cross(a, b)), dot(a, b));
+}
 /// Across a triangle, towards where it winds counterclockwise; twice its area long.
 inline Vec3 normal_of(const std::array<Vec3, 3> &corners) {
     return cross(corners[1] - corners[0], corners[2] - corners[0]);
