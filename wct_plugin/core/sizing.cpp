@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace wct {
@@ -66,6 +67,7 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     limit_by_thickness(workers);
     surface = limit_;
     limit_by_curvature();
+    limit_by_bends();
     limit_by_creases();
     if (form.sharp)
         limit_by_sharp_edges();
@@ -138,6 +140,41 @@ void Sizing::limit_by_curvature() {
     for (const Curve &curve : reference_.curves())
         for (std::size_t k = 0; k < curve.vertices.size(); ++k)
             lower(curve.vertices[k], norm(curve.bend[k]) / 8.0);
+}
+
+void Sizing::limit_by_bends() {
+    constexpr double bent = 0.574;   // cosine of 55 degrees
+    constexpr double shortest = 4.0; // in tolerances
+    struct Side {
+        std::array<int, 2> ends; // wedges: those on either side of a crease differ
+        int triangle;
+    };
+    const auto &data = reference_.data();
+    std::vector<Side> sides;
+    for (int t = 0; t < static_cast<int>(data.triangles.size()); ++t)
+        for (int k = 0; k < 3 && !reference_.planar(data.patch[t]); ++k) {
+            const auto [low, high] = std::minmax({reference_.wedge(t, k), reference_.wedge(t, (k + 1) % 3)});
+            sides.push_back({{low, high}, t});
+        }
+    std::sort(sides.begin(), sides.end(),
+              [](const Side &a, const Side &b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });
+    const double deep = form_.sag * form_.tolerance;
+    for (std::size_t s = 1; s < sides.size(); ++s) {
+        const int t = sides[s - 1].triangle, u = sides[s].triangle;
+        const double cosine = std::clamp(dot(reference_.normal(t), reference_.normal(u)), -1.0, 1.0);
+        if (sides[s].ends != sides[s - 1].ends || cosine > bent)
+            continue;
+        const int v = reference_.wedge_vertex(sides[s].ends[0]), w = reference_.wedge_vertex(sides[s].ends[1]);
+        const double base = norm(data.points[w] - data.points[v]);
+        const double height = 2.0 * std::min(reference_.area(t), reference_.area(u)) / base;
+        const double half_sine = std::sqrt(0.5 * (1.0 - cosine)), half_cosine = std::sqrt(0.5 * (1.0 + cosine));
+        if (!(height * half_sine > deep)) // noise: nothing there is too deep
+            continue;
+        // A facet's edge of length l is l / 2 tan(bend / 2) deep at most, and half of that where it crosses by chance.
+        const double most = std::max(4.0 * deep * half_cosine / half_sine, shortest * form_.tolerance);
+        surface[v] = std::min(surface[v], most);
+        surface[w] = std::min(surface[w], most);
+    }
 }
 
 void Sizing::limit_by_creases() {

@@ -60,6 +60,9 @@ class Sizing {
   private:
     void make_input_sizes(std::span<const double> wanted);
     void limit_by_curvature();
+    /// Where a patch bends between two large triangles, curvature, which is smoothed, says too little: no facet may cut
+    /// across the edge so far from its end that it is too deep there.
+    void limit_by_bends();
     /// No crease is shorter than the edges it must have: where edges round its ends are longer, tets there are too few
     /// to open the angles between its neighbours.
     void limit_by_creases();

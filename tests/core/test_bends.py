@@ -1,0 +1,57 @@
+"""Sizes at a bend that is no crease: no facet may cut so far across it that it leaves the tolerance."""
+
+import numpy as np
+import pytest
+from builders import kuhn_grid
+from core_meshes import start
+
+from wct_plugin.mesh import TetMesh
+from wct_plugin.reference import given_surface, own_boundary
+
+TOLERANCE = 1e-3
+SAG = 1.31  # of a typical facet, in tolerances
+
+
+def roof(bend, n=8):
+    """A unit cube whose top bends by so many degrees at a ridge along y = 1/2."""
+    grid = kuhn_grid((n, n, n))
+    x, y, z = (grid.points / n).T
+    return TetMesh(np.stack([x, y, z * (1.0 - np.tan(np.radians(bend / 2)) * np.abs(y - 0.5))], axis=1), grid.tets)
+
+
+def size_on_ridge(mesh, crease_angle):
+    found = start(mesh, own_boundary(mesh, crease_angle), TOLERANCE)
+    on = (np.abs(found["points"][:, 1] - 0.5) < 0.02) & (found["stratum"] == 1) & (found["points"][:, 2] > 0.9)
+    return found["size"][on]
+
+
+@pytest.mark.parametrize("bend", [60, 80])
+def test_sizes_at_a_bend_follow_the_tolerance(bend):
+    mesh = roof(bend)
+    tolerance = TOLERANCE * own_boundary(mesh, 85.0).diagonal
+    most = 4.0 * SAG * tolerance / np.tan(np.radians(bend / 2))
+    found = size_on_ridge(mesh, 85.0)
+    assert len(found) > 10
+    assert np.median(found) <= 1.2 * most
+
+
+def test_what_is_a_crease_is_not_a_bend():
+    mesh = roof(60)
+    found = start(mesh, own_boundary(mesh, 40.0), TOLERANCE)
+    ridge = found["points"][found["creases"]][:, :, 1].mean(axis=1)
+    on = np.unique(found["creases"][np.abs(ridge - 0.5) < 1e-9])
+    assert np.median(found["size"][on]) > 0.7 * np.median(found["size"])
+
+
+def test_bends_shallower_than_the_tolerance_are_noise():
+    """A top in zigzag, up and down by 70 degrees at every row: no curvature, and no facet is too deep anywhere."""
+    mesh, rows, tolerance = kuhn_grid((4, 4, 4)), 100, 1e-2
+    zigzag = kuhn_grid((4, rows, 1))
+    x, y, z = (zigzag.points / zigzag.points.max(axis=0)).T
+    height = np.tan(np.radians(35.0)) / rows * (np.rint(rows * y) % 2)
+    noisy = TetMesh(np.stack([x, y, z * (1.0 + height)], axis=1), zigzag.tets)
+    mesh = TetMesh(mesh.points / mesh.points.max(), mesh.tets)
+    found = start(mesh, given_surface(noisy.boundary_surface(), mesh, 85.0), tolerance)
+    middle = (np.abs(found["points"][:, :2] - 0.5) < 0.25).all(axis=1) & (found["points"][:, 2] > 0.9)
+    as_bends = 4.0 * SAG * tolerance * np.sqrt(3.0) / np.tan(np.radians(35.0))
+    assert found["size"][middle].min() > 1.1 * as_bends
