@@ -22,6 +22,7 @@ from wct_plugin.quality import Quality
 from wct_plugin.reasons import facets
 from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
+from wct_plugin.released import released
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
@@ -104,7 +105,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Planes, straight creases and corners at them are kept exactly, but for those smaller than 28 tolerances and 3 % of
-    the diagonal: these move within the tolerance, as all that is curved does.
+    the diagonal: these move within the tolerance, as all that is curved does. Of the other creases, those that their
+    angle alone makes and that hold tets back for long become ordinary surface within the tolerance, as on scans.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
@@ -188,7 +190,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
+        work: Metrics = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
+        work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
         return _Found(better, after, tolerance, work)
 
     def _share(self, start: Start) -> float:
@@ -258,6 +261,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return _core.search_well_centered(
             **start,
             ruled_out=facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
+            loose=reference.strata.soft_curves if options.boundary == "move" else None,
             worth=_WORTH[options.boundary] * options.effort,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,

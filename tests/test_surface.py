@@ -82,7 +82,7 @@ def test_labels_and_places_of_a_cube():
     places = place(mesh, found)
     assert (places == on[mesh.tets].max(axis=1)).all()
     assert len(PLACES) == 4
-    for array in (found.triangles, found.segments, found.patch, found.curve, found.stratum, found.label):
+    for array in (found.triangles, found.segments, found.patch, found.curve, found.soft, found.stratum, found.label):
         assert not array.flags.writeable
 
 
@@ -91,6 +91,26 @@ def test_crease_angle_decides():
     assert summary(strata(mesh))[:2] == (3, 2)
     assert strata(mesh, crease_angle=29.0).patch.max() + 1 == 14
     assert strata(mesh, crease_angle=91.0).patch.max() == 0
+
+
+def test_creases_by_their_angle_alone_are_soft():
+    mesh = kuhn_cube(4)
+    top = mesh.topology.boundary[on_face(mesh, 2, 1.0)]
+    half = mesh.points[top].mean(axis=1)[:, 0] < 0.5
+    plain, cut = strata(mesh), strata(tagged(mesh, top[half], np.ones(half.sum(), dtype=int)))
+    assert plain.soft.all()
+    assert plain.soft_curves.tolist() == list(range(12))
+    ends = mesh.points[cut.segments]
+    around = ((ends[:, :, 2] == 1.0) & (ends[:, :, 0] <= 0.5)).all(axis=1)
+    assert np.array_equal(cut.soft, ~around)
+    assert np.array_equal(cut.soft_curves, np.setdiff1d(cut.curve, cut.curve[around]))
+    edge = plain.segments[:1]
+    named = strata(TetMesh(mesh.points, mesh.tets, edges=Cells(edge)))
+    assert np.array_equal(named.segments[~named.soft], edge)
+    boxes = two_region_cube(4)
+    found = strata(boxes)
+    interface = (boxes.points[found.segments][:, :, 2] == 0.5).all(axis=1)
+    assert np.array_equal(found.soft, ~interface)
 
 
 def test_closed_loops_without_corners_are_curves():

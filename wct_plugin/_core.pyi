@@ -174,6 +174,8 @@ class SearchedArrays(SurfaceArrays):
     """Tets measured."""
     stopped: bool
     """Whether the listener ended the work."""
+    released: NDArray[np.int64]
+    """(r,) curves that became ordinary surface; patches they divided have the smallest number of any of them"""
 
 class RefilledArrays(TypedDict):
     """What :func:`refill` gives."""
@@ -334,6 +336,7 @@ def search_well_centered(
     seed: int,
     progress: Callable[[str, float, int], Any] | None = None,
     ruled_out: NDArray[np.int64] | None = None,
+    loose: NDArray[np.int64] | None = None,
     worth: float = ...,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
@@ -352,6 +355,8 @@ def search_well_centered(
     At most ``passes`` sweeps and ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
     ``ruled_out`` (r,): rows of ``facets`` on which no tet can meet the goal as long as they stay; only where the
     surface is neither flipped nor split.
+    ``loose`` (l,): curves that are creases by their angle alone. Those of them that are not kept exactly, nor bound a
+    planar patch that is, become ordinary surface where tets near them withstand an eighth of the ``kicks``.
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     """
 

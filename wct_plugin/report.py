@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import certificate, duals, fidelity, quality, remaining, scaling, shape_floor, surface
+from wct_plugin import certificate, duals, fidelity, quality, released, remaining, scaling, shape_floor, surface
 from wct_plugin.certificate import Certificate
 from wct_plugin.deviation import deviation
 from wct_plugin.mesh import Repairs, TetMesh
@@ -262,6 +262,7 @@ def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
     lines = (
         shape_floor.describe(found["shape"]) if "shape" in found else "",
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
+        released.describe(found["released"]) if "released" in found else "",
     )
     return tuple(filter(None, lines))
 

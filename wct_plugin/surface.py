@@ -36,8 +36,14 @@ class Strata:
     patch: Ints  #: (t,) patch id of each triangle, from 0
     segments: Ints  #: (s, 2) crease edges, ends ascending
     curve: Ints  #: (s,) curve id of each segment, from 0; a closed loop without corners is one curve
+    soft: Bools  #: (s,) segments that only their angle makes creases
     stratum: NDArray[np.int8]  #: (n,) 0 interior, 1 patch, 2 crease, 3 corner: see :data:`PLACES`
     label: Ints  #: (n,) patch id of a patch point, curve id of a crease point, -1 otherwise
+
+    @property
+    def soft_curves(self) -> Ints:
+        """Curves that only their angle makes creases, all along."""
+        return np.setdiff1d(self.curve, self.curve[~self.soft])
 
 
 def strata(mesh: TetMesh, crease_angle: float = 40.0) -> Strata:
@@ -94,9 +100,10 @@ def _strata(
             break
         crease &= ~specks
     segments = np.concatenate([edges[crease], user[loose]])
+    soft = np.concatenate([~hard[crease], np.zeros(int(loose.sum()), dtype=bool)])
     segment_keys = segments @ [count, 1]
     order = np.argsort(segment_keys)
-    segments, segment_keys = segments[order], segment_keys[order]
+    segments, segment_keys, soft = segments[order], segment_keys[order], soft[order]
 
     tag = np.full(len(segments), -1, dtype=np.int64)
     tag[np.searchsorted(segment_keys, user_keys)] = user_signature
@@ -113,9 +120,9 @@ def _strata(
     label[segments] = curve[:, None]
     stratum[corner] = 3
     label[corner] = -1
-    for values in (triangles, patch, segments, curve, stratum, label):
+    for values in (triangles, patch, segments, curve, soft, stratum, label):
         values.setflags(write=False)
-    return Strata(triangles, patch, segments, curve, stratum, label)
+    return Strata(triangles, patch, segments, curve, soft, stratum, label)
 
 
 def place(mesh: TetMesh, of: Strata) -> NDArray[np.int8]:

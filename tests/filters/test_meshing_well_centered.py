@@ -12,6 +12,7 @@ from wct_plugin import _core, apply_filter, quality
 from wct_plugin.deviation import deviation
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+from wct_plugin.surface import strata
 
 SPHERE = sphere_surface(2000)
 
@@ -314,6 +315,24 @@ def test_a_kept_boundary_is_given_the_edge_length_too(monkeypatch):
         with pytest.raises(KeyboardInterrupt):
             run(mesh, boundary=boundary, edge_length=lengths)
     assert all(size == pytest.approx(0.15, rel=0.1) for size in searched)
+
+
+def test_creases_by_their_angle_alone_may_be_released_where_the_boundary_moves(monkeypatch):
+    mesh = two_region_cube(2)
+    asked = {}
+
+    def search(**given):
+        asked[len(asked)] = given["loose"]
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_core, "search_well_centered", search)
+    for boundary in ("move", "keep", "fixed"):
+        with pytest.raises(KeyboardInterrupt):
+            run(mesh, boundary=boundary)
+    assert np.array_equal(asked[0], strata(mesh).soft_curves)
+    assert 0 < len(asked[0]) < strata(mesh).curve.max() + 1  # those round the interface are no matter of angles
+    assert asked[1] is None
+    assert asked[2] is None
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 #include "bindings.h"
 #include "needles.h"
 #include "predicates.h"
-#include "search.h"
+#include "releasing.h"
 
 #include <nanobind/stl/optional.h>
 
@@ -82,7 +82,7 @@ double mean_size(const std::vector<double> &size, const std::vector<Stratum> &st
     return count > 0.0 ? sum / count : 1.0;
 }
 
-nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome) {
+nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, const std::vector<int> &released) {
     std::vector<int> place(complex.vertex_slots(), -1);
     std::vector<double> out_points;
     std::vector<std::int64_t> out_tets, out_regions, out_labels, out_facets, out_patches, out_creases, out_curves;
@@ -133,6 +133,7 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome) {
     result["accepted"] = outcome.accepted;
     result["evaluations"] = outcome.evaluations;
     result["stopped"] = outcome.stopped;
+    result["released"] = array_of<std::int64_t>(std::vector<std::int64_t>(released.begin(), released.end()));
     return result;
 }
 
@@ -142,7 +143,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &surface_triangles, const Array &surface_patch, const Array &surface_segments,
                               const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
-                              const nb::object &progress, const std::optional<Array> &ruled_out, double worth) {
+                              const nb::object &progress, const std::optional<Array> &ruled_out,
+                              const std::optional<Array> &loose, double worth) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -180,6 +182,10 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
         hopeless = numbers_of(*ruled_out, static_cast<std::int64_t>(sheet.size()), "ruled_out");
     if (!hopeless.empty() && (flip_surface || split_surface))
         refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
+    std::vector<std::uint8_t> may_go(static_cast<std::size_t>(curves), 0);
+    if (loose)
+        for (const int c : numbers_of(*loose, curves, "loose"))
+            may_go[c] = 1;
     if (!(tolerance > 0.0))
         refuse("tolerance is " + std::to_string(tolerance) + "; it must be positive");
     if (!(margin >= 0.0 && margin < 1.0 / 3.0))
@@ -192,7 +198,6 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
         refuse("worth is " + std::to_string(worth) + "; it may not be negative");
 
     TetComplex complex;
-    const SurfaceGuide guide({on, triangles, patch, segments, curve}, tolerance, 0.125 * mean_size(wanted, role));
     const auto needle = needle_cosines(at, cells, region, edges);
     for (std::size_t v = 0; v < at.size(); ++v) {
         const bool inside = role[v] == Stratum::interior;
@@ -217,14 +222,15 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.kicks = kicks;
     options.seed = seed;
     options.worth = worth;
+    Releasing search(complex, {on, triangles, patch, segments, curve, may_go}, tolerance,
+                     0.125 * mean_size(wanted, role));
     SearchOutcome outcome;
     {
         nb::gil_scoped_release release;
-        Search search(complex, guide, options);
-        outcome =
-            search.run([&](const char *phase, double done, int bad) { return goes_on(progress, phase, done, bad); });
+        outcome = search.run(
+            options, [&](const char *phase, double done, int bad) { return goes_on(progress, phase, done, bad); });
     }
-    return to_python(complex, outcome);
+    return to_python(complex, outcome, search.released());
 }
 
 } // namespace
@@ -236,7 +242,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
           nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
-          nb::arg("ruled_out") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity());
+          nb::arg("ruled_out") = nb::none(), nb::arg("loose") = nb::none(),
+          nb::arg("worth") = std::numeric_limits<double>::infinity());
 }
 
 } // namespace wct

@@ -59,19 +59,18 @@ void Search::adopt(const SearchForm &form) {
     complex_.resum();
 }
 
-int Search::count_bad() const {
-    int bad = 0;
-    for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
-        bad += complex_.alive(static_cast<int>(t)) && energy_.bad(complex_.energy(static_cast<int>(t)));
+std::vector<int> Search::bad_tets() const {
+    std::vector<int> bad;
+    for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
+        if (const int t = static_cast<int>(k); complex_.alive(t) && energy_.bad(complex_.energy(t)))
+            bad.push_back(t);
     return bad;
 }
 
 void Search::sweep(int recipe) {
-    std::vector<int> tets;
-    for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
-        if (complex_.alive(static_cast<int>(t)) && energy_.bad(complex_.energy(static_cast<int>(t))) &&
-            (recipe == 0 || !complex_.ruled_out(static_cast<int>(t))))
-            tets.push_back(static_cast<int>(t));
+    std::vector<int> tets = bad_tets();
+    if (recipe != 0)
+        std::erase_if(tets, [&](int t) { return complex_.ruled_out(t); });
     repair_.pass_changed(recipe, tets);
 }
 
@@ -106,7 +105,7 @@ void Search::polish() {
 }
 
 void Search::widen_margins(const SearchProgress &progress) {
-    constexpr double patient = 0.125; // of the patience for tets that miss the goal itself
+    const auto bearable = [this](int bad) { return patience(bad) / 8; }; // less than for tets that miss the goal itself
     // So many evaluations per tet are margins worth: a few tets short of them would take longer than all the rest.
     const double worth = std::min(options_.worth, static_cast<double>(options_.kicks));
     const int before = count_bad(); // on facets that rule the goal out
@@ -114,17 +113,18 @@ void Search::widen_margins(const SearchProgress &progress) {
     polish();
     adopt(margin_form(options_.acute, options_.margin));
     sweep(1);
-    kick_until_good(progress, "margin", patient, worth);
+    kick_until_good(progress, "margin", bearable, worth);
     // Several margins may have been bought with a tet that misses the goal.
     adopt(sharp_form(options_.acute));
     if (!outcome_.stopped)
-        kick_until_good(progress, "margin", patient, worth);
+        kick_until_good(progress, "margin", bearable, worth);
     if (count_bad() > before)
         complex_ = saved;
     adopt(margin_form(options_.acute, options_.margin));
 }
 
-bool Search::kick_until_good(const SearchProgress &progress, const char *phase, double patient, double worth) {
+bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
+                             const std::function<long(int)> &bearable, double worth) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
@@ -132,7 +132,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase, 
     long vain = 0; // kicks since there were fewer bad tets than ever before
     Price price;
     for (long done = 0; kicks_.bad() > 0; ++done) {
-        const long limit = std::max(1L, static_cast<long>(patient * static_cast<double>(patience(least))));
+        const long limit = std::max(1L, bearable(least));
         if (vain >= limit || !worthwhile(price, least, worth))
             return false;
         if (done % rest == 0)
@@ -174,6 +174,10 @@ long Search::patience(int bad) const {
     return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, 0.005, 1.0)));
 }
 
+long Search::hurried(int bad) const {
+    return std::max(options_.kicks / 50, options_.kicks / 8 / std::max(bad, 1)); // the last few are worth more each
+}
+
 SearchOutcome Search::run(const SearchProgress &progress) {
     const auto report = [&](const char *phase, double done) {
         outcome_.bad = count_bad();
@@ -197,8 +201,9 @@ SearchOutcome Search::run(const SearchProgress &progress) {
         ++outcome_.passes;
     }
     adopt(sharp_form(options_.acute));
+    const auto bearable = [this](int bad) { return options_.hurry ? hurried(bad) : patience(bad); };
     const bool good =
-        !outcome_.stopped && kick_until_good(progress, "kicks", 1.0, options_.worth) && report("kicks", 1.0);
+        !outcome_.stopped && kick_until_good(progress, "kicks", bearable, options_.worth) && report("kicks", 1.0);
     if (good)
         widen_margins(progress);
     SurfaceBalance(complex_, energy_, guide_, descent_).run();

@@ -13,8 +13,9 @@ struct SearchOptions {
     double margin = 0.02; // clearance in h/R and cosine the polish aims at
     bool flip_surface = true;
     bool split_surface = true;
-    int passes = 12;   // greatest number of sweeps over all tets that fall short
-    long kicks = 4000; // tries of the iterated local search in vain after which it stops; fewer where much is bad
+    int passes = 12;    // greatest number of sweeps over all tets that fall short
+    long kicks = 4000;  // tries of the iterated local search in vain after which it stops; fewer where much is bad
+    bool hurry = false; // whether it should stop soon where the goal is not reached: there are other ways to go on
     /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
     double worth = std::numeric_limits<double>::infinity();
     std::uint64_t seed = 0;
@@ -41,13 +42,16 @@ class Search {
     Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options);
 
     SearchOutcome run(const SearchProgress &progress);
+    /// Those that miss the goal, or are at a facet beyond the tolerance.
+    std::vector<int> bad_tets() const;
 
   private:
     void adopt(const SearchForm &form);
-    int count_bad() const;
+    int count_bad() const { return static_cast<int>(bad_tets().size()); }
     void sweep(int recipe);
-    /// How many kicks in vain to bear with this many bad tets left.
+    /// How many kicks in vain to bear with this many bad tets left, and in a hurry.
     long patience(int bad) const;
+    long hurried(int bad) const;
     /// What kicks have cost and brought lately; old ones count less and less.
     struct Price {
         double spent = 0.0; // evaluations, all of them
@@ -56,9 +60,10 @@ class Search {
         void add(double evaluations, int fewer);
     };
     bool worthwhile(const Price &price, int bad, double worth) const;
-    /// Kick until no tet is bad, or as long as it pays; `patient` is a share of the patience, `worth` as of the
-    /// options.
-    bool kick_until_good(const SearchProgress &progress, const char *phase, double patient, double worth);
+    /// Kick until no tet is bad, or as long as it pays; `bearable` is how many kicks in vain to bear for the number of
+    /// bad tets left, `worth` as of the options.
+    bool kick_until_good(const SearchProgress &progress, const char *phase, const std::function<long(int)> &bearable,
+                         double worth);
     void polish();
     /// Where all tets meet the goal: more clearance for those that do so narrowly, and none the worse for it.
     void widen_margins(const SearchProgress &progress);

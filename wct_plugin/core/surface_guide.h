@@ -53,6 +53,8 @@ class SurfaceGuide {
     double tolerance() const { return tolerance_; }
     std::size_t patches() const { return patches_.size(); }
     bool planar(int patch) const { return patches_[patch].planar; }
+    /// Whether the curve is kept exactly, or a planar patch beside it.
+    bool exact(int curve) const { return curves_[curve].straight || curves_[curve].normal; }
 
     /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges`
     /// says that the edge from corner k to the next is to be looked at along its whole length; the others are known to

@@ -24,6 +24,7 @@ SurfaceWatch::Piece SurfaceWatch::piece(const Facet &key, int patch) const {
 }
 
 void SurfaceWatch::begin() {
+    complex_.forget_landmarks(); // of a search before this one
     std::map<int, std::vector<std::array<Vec3, 3>>> by_patch;
     std::map<std::array<double, 9>, Facet> known;
     for (const auto &[key, patch] : complex_.sorted_surface()) {
@@ -32,8 +33,8 @@ void SurfaceWatch::begin() {
         Piece one = piece(key, patch);
         by_patch[patch].push_back(one.corners);
         known.emplace(coordinates(one.corners), key);
-        if (!guide_.near(patch, one.corners, one.edges, one.hints))
-            complex_.set_over(key, over(guide_.gap(patch, one.corners, one.hints).distance));
+        const bool near = guide_.near(patch, one.corners, one.edges, one.hints);
+        complex_.set_over(key, near ? 0.0 : over(guide_.gap(patch, one.corners, one.hints).distance));
     }
     std::map<int, BoundingTree<3>> trees;
     for (auto &[patch, corners] : by_patch)

@@ -155,6 +155,12 @@ void TetComplex::add_landmark(const std::optional<Facet> &owner) {
         own(static_cast<int>(landmarks_.size()) - 1, *owner);
 }
 
+void TetComplex::forget_landmarks() {
+    landmarks_.clear();
+    for (auto &[key, facet] : surface_)
+        facet.landmark = -1;
+}
+
 void TetComplex::hand_landmark(int landmark, const Facet &owner) {
     if (landmarks_[landmark].owner == owner)
         return;

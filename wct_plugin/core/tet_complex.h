@@ -94,6 +94,7 @@ class TetComplex {
     /// A new landmark (the next number), and a change of its owner. Both facets must be there, and a facet must have
     /// handed on its landmarks before it is removed.
     void add_landmark(const std::optional<Facet> &owner);
+    void forget_landmarks();
     void hand_landmark(int landmark, const Facet &owner);
     /// The surface facets and their patches by key: the order of surface() depends on its hash table.
     std::vector<std::pair<Facet, int>> sorted_surface() const;
