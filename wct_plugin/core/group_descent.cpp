@@ -150,10 +150,8 @@ bool GroupDescent::settle(const Field &at) {
             continue;
         }
         watch_.gather(v);
-        if (!watch_.allows(at[i]))
-            continue;
-        complex_.move(v, at[i]);
-        watch_.settle(at[i]);
+        if (watch_.settle(at[i]))
+            complex_.move(v, at[i]);
     }
     measured_.clear();
     for (int t : tets_)

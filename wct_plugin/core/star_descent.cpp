@@ -12,15 +12,16 @@ constexpr int kRefusals = 2;
 
 } // namespace
 
-void StarDescent::settle(int v, const Vec3 &x) {
+bool StarDescent::settle(int v, const Vec3 &x) {
+    if (complex_.vertex(v).stratum != Stratum::interior && !watch_.settle(x))
+        return false;
     complex_.move(v, x);
-    if (complex_.vertex(v).stratum != Stratum::interior)
-        watch_.settle(x);
     energies_.resize(star_.lanes.size() * kLanes);
     energy_.each(star_, x, energies_.data());
     const std::vector<int> &tets = complex_.star(v);
     for (std::size_t k = 0; k < tets.size(); ++k)
         complex_.set_energy(tets[k], energies_[k] + energy_.over(complex_, complex_.tet(tets[k])));
+    return true;
 }
 
 bool StarDescent::relax(int v, int steps) {
@@ -131,8 +132,7 @@ bool StarDescent::relax(int v, int steps) {
     }
     if (!(current < start))
         return false;
-    settle(v, x);
-    return true;
+    return settle(v, x);
 }
 
 bool StarDescent::nudge(int v, const Vec3 &x) {
@@ -149,8 +149,7 @@ bool StarDescent::nudge(int v, const Vec3 &x) {
         if (surface && (!guide_.admit(vertex, place) || !watch_.allows(place)))
             continue;
         if (energy_.at(star_, place, nullptr) < kInfinity) {
-            settle(v, place);
-            return true;
+            return settle(v, place);
         }
     }
     return false;

@@ -21,7 +21,7 @@ class StarDescent {
     bool movable(int v) const { return guide_.moves(complex_.vertex(v)); }
 
   private:
-    void settle(int v, const Vec3 &x);
+    bool settle(int v, const Vec3 &x);
 
     TetComplex &complex_;
     const SearchEnergy &energy_;

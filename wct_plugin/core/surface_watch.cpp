@@ -208,15 +208,16 @@ double SurfaceWatch::cost(Vec3 *gradient) const {
     return sum;
 }
 
-void SurfaceWatch::settle(const Vec3 &x) {
-    if (!(asked_ == x))
-        allows(x);
+bool SurfaceWatch::settle(const Vec3 &x) {
+    if (!(asked_ == x) && !allows(x))
+        return false;
     for (const Handed &handed : handed_)
         complex_.hand_landmark(handed.landmark, handed.to);
     for (const Piece &piece : new_) {
         complex_.set_over(piece.key, piece.over);
         complex_.set_hints(piece.key, piece.hints);
     }
+    return true;
 }
 
 bool SurfaceWatch::landmarks_covered() {

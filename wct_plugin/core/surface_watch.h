@@ -32,10 +32,11 @@ class SurfaceWatch {
     /// rearranged may leave it on the way. 0 at rest.
     double loose = 0.0;
 
-    /// Moving vertex v: name it, ask about places for it, and settle at one that was allowed.
+    /// Moving vertex v: name it, ask about places for it, and settle at one. That may be refused even where it was
+    /// allowed: near two sheets of the surface the answer may depend on what was found near the place asked about last.
     void gather(int v);
     bool allows(const Vec3 &x);
-    void settle(const Vec3 &x);
+    bool settle(const Vec3 &x);
     /// What facets beyond the tolerance cost at the place asked about last: the sum of 1 + over, and its gradient with
     /// respect to the vertex.
     double cost(Vec3 *gradient) const;
