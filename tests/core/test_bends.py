@@ -1,10 +1,13 @@
 """Sizes at a bend that is no crease: no facet may cut so far across it that it leaves the tolerance."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from builders import kuhn_grid
+from builders import kuhn_grid, two_region_cube
 from core_meshes import start
 
+from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import given_surface, own_boundary
 
@@ -17,6 +20,22 @@ def roof(bend, n=8):
     grid = kuhn_grid((n, n, n))
     x, y, z = (grid.points / n).T
     return TetMesh(np.stack([x, y, z * (1.0 - np.tan(np.radians(bend / 2)) * np.abs(y - 0.5))], axis=1), grid.tets)
+
+
+def resampled(mesh, own):
+    return _core.resample(
+        own.points,
+        own.strata.triangles,
+        own.strata.patch,
+        own.strata.segments,
+        own.strata.curve,
+        own.corners,
+        own.sides,
+        mesh.points,
+        mesh.tets,
+        np.searchsorted(own.regions, mesh.regions),
+        TOLERANCE * own.diagonal,
+    )
 
 
 def size_on_ridge(mesh, crease_angle):
@@ -55,3 +74,15 @@ def test_bends_shallower_than_the_tolerance_are_noise():
     middle = (np.abs(found["points"][:, :2] - 0.5) < 0.25).all(axis=1) & (found["points"][:, 2] > 0.9)
     as_bends = 4.0 * SAG * tolerance * np.sqrt(3.0) / np.tan(np.radians(35.0))
     assert found["size"][middle].min() > 1.1 * as_bends
+
+
+def test_triangles_that_run_either_way_are_no_bends():
+    """A flat interface between regions whose triangles do not all run the same way."""
+    mesh = two_region_cube(4)
+    own = own_boundary(mesh, 40.0)
+    wall = own.strata.patch == own.strata.patch[-1]  # interfaces come last
+    triangles = own.strata.triangles.copy()
+    triangles[np.flatnonzero(wall)[::2]] = triangles[np.flatnonzero(wall)[::2]][:, ::-1]
+    turned = replace(own, strata=replace(own.strata, triangles=triangles))
+    sizes = [resampled(mesh, one)["size"].min() for one in (own, turned)]
+    assert sizes[1] > 0.5 * sizes[0]

@@ -148,20 +148,23 @@ void Sizing::limit_by_bends() {
     struct Side {
         std::array<int, 2> ends; // wedges: those on either side of a crease differ
         int triangle;
+        bool forward; // runs from the first end to the second
     };
     const auto &data = reference_.data();
     std::vector<Side> sides;
     for (int t = 0; t < static_cast<int>(data.triangles.size()); ++t)
         for (int k = 0; k < 3 && !reference_.planar(data.patch[t]); ++k) {
-            const auto [low, high] = std::minmax({reference_.wedge(t, k), reference_.wedge(t, (k + 1) % 3)});
-            sides.push_back({{low, high}, t});
+            const int from = reference_.wedge(t, k), to = reference_.wedge(t, (k + 1) % 3);
+            sides.push_back({{std::min(from, to), std::max(from, to)}, t, from < to});
         }
     std::sort(sides.begin(), sides.end(),
               [](const Side &a, const Side &b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });
     const double deep = form_.sag * form_.tolerance;
     for (std::size_t s = 1; s < sides.size(); ++s) {
         const int t = sides[s - 1].triangle, u = sides[s].triangle;
-        const double cosine = std::clamp(dot(reference_.normal(t), reference_.normal(u)), -1.0, 1.0);
+        // Triangles of an interface or a sheet inside may run either way.
+        const double turned = sides[s].forward == sides[s - 1].forward ? -1.0 : 1.0;
+        const double cosine = std::clamp(turned * dot(reference_.normal(t), reference_.normal(u)), -1.0, 1.0);
         if (sides[s].ends != sides[s - 1].ends || cosine > bent)
             continue;
         const int v = reference_.wedge_vertex(sides[s].ends[0]), w = reference_.wedge_vertex(sides[s].ends[1]);
