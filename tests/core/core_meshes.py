@@ -193,7 +193,7 @@ def start(mesh, own, tolerance=1e-3, **options):
         own.sides,
         mesh.points,
         mesh.tets,
-        np.zeros(len(mesh.tets), dtype=np.int64),
+        np.searchsorted(own.regions, mesh.regions),
         tolerance * own.diagonal,
         **options,
     )

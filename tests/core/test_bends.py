@@ -7,7 +7,6 @@ import pytest
 from builders import kuhn_grid, two_region_cube
 from core_meshes import start
 
-from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import given_surface, own_boundary
 
@@ -20,22 +19,6 @@ def roof(bend, n=8):
     grid = kuhn_grid((n, n, n))
     x, y, z = (grid.points / n).T
     return TetMesh(np.stack([x, y, z * (1.0 - np.tan(np.radians(bend / 2)) * np.abs(y - 0.5))], axis=1), grid.tets)
-
-
-def resampled(mesh, own):
-    return _core.resample(
-        own.points,
-        own.strata.triangles,
-        own.strata.patch,
-        own.strata.segments,
-        own.strata.curve,
-        own.corners,
-        own.sides,
-        mesh.points,
-        mesh.tets,
-        np.searchsorted(own.regions, mesh.regions),
-        TOLERANCE * own.diagonal,
-    )
 
 
 def size_on_ridge(mesh, crease_angle):
@@ -84,5 +67,5 @@ def test_triangles_that_run_either_way_are_no_bends():
     triangles = own.strata.triangles.copy()
     triangles[np.flatnonzero(wall)[::2]] = triangles[np.flatnonzero(wall)[::2]][:, ::-1]
     turned = replace(own, strata=replace(own.strata, triangles=triangles))
-    sizes = [resampled(mesh, one)["size"].min() for one in (own, turned)]
+    sizes = [start(mesh, one, TOLERANCE)["size"].min() for one in (own, turned)]
     assert sizes[1] > 0.5 * sizes[0]

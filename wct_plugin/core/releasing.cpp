@@ -1,31 +1,14 @@
 #include "releasing.h"
 
+#include "groups.h"
+
 #include <algorithm>
-#include <numeric>
 
 namespace wct {
 
 namespace {
 
 constexpr double kReach = 2.5; // from the middle of a bad tet, in sizes: creases so near are released
-
-/// Sets that are joined two by two, each named by its smallest member.
-class Sets {
-  public:
-    explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int name(int a) {
-        while (parent_[a] != a)
-            a = parent_[a] = parent_[parent_[a]];
-        return a;
-    }
-    void join(int a, int b) {
-        const auto [low, high] = std::minmax({name(a), name(b)});
-        parent_[high] = low;
-    }
-
-  private:
-    std::vector<int> parent_;
-};
 
 /// Calls back with every two triangles that follow each other round one of the edges, and that edge.
 template <class Visit> void over_edges(const std::vector<Facet> &triangles, Visit visit) {
@@ -122,20 +105,22 @@ std::vector<int> Releasing::join_patches(const std::vector<std::uint8_t> &gone) 
         if (gone[surface_.curve[s]])
             edges.push_back(sorted(surface_.segments[s][0], surface_.segments[s][1]));
     std::sort(edges.begin(), edges.end());
-    Sets sets(surface_.triangles.size()); // no patch has a greater number
+    Groups patches(surface_.triangles.size()); // no patch has a greater number
     over_edges(surface_.triangles, [&](int t, int u, const Edge &edge) {
-        if (std::binary_search(edges.begin(), edges.end(), edge))
-            sets.join(surface_.patch[t], surface_.patch[u]);
+        if (!std::binary_search(edges.begin(), edges.end(), edge))
+            return;
+        const auto [low, high] = std::minmax({patches.find(surface_.patch[t]), patches.find(surface_.patch[u])});
+        patches.join(high, low); // the smallest stands for all
     });
     std::vector<int> out(surface_.triangles.size());
     for (std::size_t p = 0; p < out.size(); ++p)
-        out[p] = sets.name(static_cast<int>(p));
+        out[p] = patches.find(static_cast<int>(p));
     return out;
 }
 
 std::vector<std::uint8_t> Releasing::whole() const {
     // Corners of triangles, joined where they share an edge there: a point of one sheet has one set of them.
-    Sets corners(3 * surface_.triangles.size());
+    Groups corners(3 * surface_.triangles.size());
     const auto corner = [&](int t, int v) {
         const Facet &f = surface_.triangles[t];
         return 3 * t + static_cast<int>(std::find(f.begin(), f.end(), v) - f.begin());
@@ -148,7 +133,7 @@ std::vector<std::uint8_t> Releasing::whole() const {
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
         for (const int v : surface_.triangles[t]) {
             const int c = corner(static_cast<int>(t), v);
-            sheets[v] += corners.name(c) == c;
+            sheets[v] += corners.find(c) == c;
         }
     std::vector<std::uint8_t> out(sheets.size());
     for (std::size_t v = 0; v < out.size(); ++v)
