@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kLargest = 12; // tets that change sides at once
 constexpr double kFlat = 1e-3;       // volume per cube of the size below which no tet is taken in
+constexpr double kLong = 2.5;        // edge per size beyond which a tet is no matter of two sheets, but of the shape
 
 /// Per vertex of the reference, whether triangles meet there that are not joined across edges.
 std::vector<char> touching_vertices(const SurfaceData &data) {
@@ -167,14 +168,19 @@ class Mender {
         return std::fabs(dot(cross(cloud_.points[b] - p, cloud_.points[c] - p), cloud_.points[d] - p)) / 6.0;
     }
 
-    /// May this tet change sides? Interior points would come to light, flat tets would be of no use.
+    /// May this tet change sides? Interior points would come to light, flat tets would be of no use, and one that spans
+    /// the space between two limbs would be a web between them.
     bool free(int t) const {
+        const auto &tet = complex_.all.tets[t];
         double size = 0.0;
-        for (const int v : complex_.all.tets[t]) {
+        for (const int v : tet) {
             if (cloud_.role[v] == Stratum::interior)
                 return false;
             size += 0.25 * cloud_.size[v];
         }
+        for (const auto &[i, j] : kEdges)
+            if (norm(cloud_.points[tet[j]] - cloud_.points[tet[i]]) > kLong * size)
+                return false;
         return complex_.region[t] >= 0 || volume(t) > kFlat * size * size * size;
     }
 
