@@ -149,6 +149,19 @@ def test_a_crumpled_fill_is_made_smooth_and_a_shape_kept():
     assert made(opened, raised) is None
 
 
+def test_holes_are_judged_together():
+    """A mesher that crumples one hole has not made a shape in the next, where it happened to leave one bump."""
+    mesh, _ = crumpled(8)
+    upside = replace(mesh, points=[0.0, 0.0, 1.0] + mesh.points * [1.0, 1.0, -1.0], tets=mesh.tets[:, ::-1])
+    bump = np.outer(window(upside.points), [0.0, 0.0, 0.02])
+    opened = without(BOX, lambda centers: window(centers) | window([0.0, 0.0, 1.0] + centers * [1.0, 1.0, -1.0]))
+    with pytest.warns(WctWarning, match=CLOSED):
+        surface = made(opened, replace(upside, points=upside.points + bump))
+    assert_bounds(surface, kuhn_cube(8))
+    flat = kuhn_cube(8)
+    assert made(opened, replace(flat, points=flat.points + np.outer(window(flat.points), [0.0, 0.0, 0.02]))) is None
+
+
 def plate(n):
     """1 x 1 x .2, n x n cells and one layer."""
     grid = kuhn_grid((n, n, 1))

@@ -5,7 +5,7 @@ import pytest
 from builders import ball, kuhn_cube, sphere_surface, two_region_cube
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import TOLERANCE, bounds, clean, facing_out, gap, given_surface, own_boundary
+from wct_plugin.reference import TOLERANCE, bounds, clean, facing_out, gap, given_surface, near, own_boundary
 from wct_plugin.surface import enclosed_volume
 
 
@@ -79,6 +79,20 @@ def test_a_surface_bounds_a_mesh_unless_it_has_holes_runs_on_inside_or_is_not_al
     assert not bounds(clean(inside), own)
     speck = SurfaceMesh(surface.points[0] + 1e-3 * small.points, small.triangles)  # in metres, not in millimetres
     assert not bounds(clean(speck), own)
+
+
+def test_near_is_measured_by_the_edges_around():
+    """A facet no longer than .14 among some of .55 to .79: what the mesher left out there is as large as those."""
+    grid = kuhn_cube(5)
+    mesh = TetMesh(np.interp(grid.points, [0.0, 0.4, 0.6, 1.0], [0.0, 0.45, 0.55, 1.0]), grid.tets)
+    own, boundary = own_boundary(mesh, 40.0), mesh.boundary_surface()
+    centers = boundary.points[boundary.triangles].mean(axis=1)
+    middle = np.flatnonzero((centers[:, 2] == 1.0) & (np.abs(centers[:, :2] - 0.5).max(axis=1) < 0.05))
+    corners = boundary.points[boundary.triangles[middle[:1]]].reshape(3, 3)
+    assert len(middle) == 2
+    for off, within in ((0.0, True), (0.1, True), (0.2, False)):
+        above = SurfaceMesh(corners + np.array([0.0, 0.0, off]), np.array([[0, 1, 2]]))
+        assert near(above, own, 0.5).tolist() == [within]
 
 
 def test_the_gap_is_what_lies_between_mesh_and_surface():

@@ -19,8 +19,8 @@ Bools = NDArray[np.bool_]
 #: How far the surface may be from the mesh's boundary, as a fraction of the mesh's edge: in holes and where triangles
 #: cross, the mesher had no surface to keep to but took or left whole tets, which is exact to half an edge.
 _DEEP = 0.5
-#: Of the facets with which the mesher closed a hole, so many in specks make a crumple, not a shape to keep.
-_CRUMPLED = 0.2
+#: Of the facets with which the mesher closed holes, so many in specks make a crumple, not a shape to keep.
+_CRUMPLED = 0.05
 #: Farther from the given surface than this fraction of its diagonal, a triangle is not part of it.
 _APART = 1e-6
 
@@ -34,9 +34,9 @@ def composite(surface: SurfaceMesh, mesh: TetMesh, own: Reference, tolerance: fl
     Pieces that are nowhere near the mesh's boundary go. MeshLab closes the holes, and where that is not all, unites the
     surface with itself, exactly: what has the body on both sides goes, cut along the lines where triangles cross. The
     result is taken if it is a closed manifold with the handles and pieces of the mesh, everywhere near the mesh's own
-    boundary and that near it. A fill must be within ``tolerance``, a length, of the mesh's own and that of it, unless
-    the mesher only crumpled its facets there; it is warned of. ``surface`` is cleaned. Raises :class:`NeighbourError`
-    where MeshLab fails.
+    boundary and that near it. Fills must be within ``tolerance``, a length, of the mesh's own and these of them, unless
+    the mesher only crumpled its facets where they are not; they are warned of. ``surface`` is cleaned. Raises
+    :class:`NeighbourError` where MeshLab fails.
     """
     made = _beside(surface, own)
     if made is None:
@@ -113,20 +113,27 @@ def _pieces(made: SurfaceMesh, fill: Bools) -> Ints:
 
 
 def _farthest(made: SurfaceMesh, fill: Ints, own: Reference, tolerance: float) -> float | None:
-    """How far fills and the mesh's own facets there are apart; None if beyond the tolerance where no crumple is."""
+    """How far fills and the mesh's own facets there are apart; None if beyond the tolerance where no crumple is.
+
+    How much of a fill is specks differs from hole to hole and from one run of a mesher to the next: all the holes where
+    the two part are judged together.
+    """
     facets = own.strata.triangles
     speck = (np.bincount(own.strata.patch) <= SPECK)[own.strata.patch]
     hole = fill[_core.closest_points(made.points, made.triangles, own.points[facets].mean(axis=1))[1]]
-    out = 0.0
-    for one in range(int(fill.max()) + 1):
-        apart = max(
-            _apart(made.points, made.triangles[fill == one], own.points, facets),
-            _apart(own.points, facets[hole == one], made.points, made.triangles),
-        )
-        if apart > tolerance and not speck[hole == one].sum() > _CRUMPLED * (hole == one).sum():
-            return None
-        out = max(out, apart)
-    return out
+    apart = np.array(
+        [
+            max(
+                _apart(made.points, made.triangles[fill == one], own.points, facets),
+                _apart(own.points, facets[hole == one], made.points, made.triangles),
+            )
+            for one in range(int(fill.max()) + 1)
+        ]
+    )
+    there = speck[np.isin(hole, np.flatnonzero(apart > tolerance))]
+    if (apart > tolerance).any() and not there.sum() > _CRUMPLED * len(there):
+        return None
+    return float(apart.max())
 
 
 def _apart(points: Floats, triangles: Ints, others: Floats, on: Ints) -> float:

@@ -145,10 +145,13 @@ def covers(surface: SurfaceMesh, own: Reference, deep: float) -> bool:
 
 
 def _shell(own: Reference, deep: float) -> tuple[Ints, Floats]:
-    """The facets with outside on one side (not sheets within), and how far that is for each."""
+    """The facets with outside on one side (not sheets within), and ``deep`` of the longest edge round each of them."""
     outer = own.strata.triangles[((own.sides < 0).sum(axis=1) == 1)[own.strata.patch]]
     corners = own.points[outer]
-    return outer, deep * np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    around = np.zeros(len(own.points))
+    np.maximum.at(around, outer.ravel(), np.repeat(edge, 3))
+    return outer, deep * around[outer].max(axis=1)
 
 
 def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:
