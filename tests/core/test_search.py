@@ -312,6 +312,11 @@ def test_what_cannot_be_ruled_out_or_worth_is_refused(options, message):
         search(jittered_cube(2), **options)
 
 
+def facet_counts(tets):
+    facets = np.sort(tets[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
+    return np.unique(facets, axis=0, return_counts=True)[1]
+
+
 def test_an_edge_that_overlapping_tets_have_already_is_not_made_again():
     corners = [[np.cos(a), np.sin(a), 0.0] for a in np.radians([0, 120, 240])]
     points = np.array([*corners, [0, 0, -0.2], [0, 0, 0.2], [3, 0.2, 0]])
@@ -323,5 +328,18 @@ def test_an_edge_that_overlapping_tets_have_already_is_not_made_again():
     found = search(
         TetMesh(points, np.concatenate([pair, beside])), pinned=True, flip_surface=False, split_surface=False
     )
-    facets = np.sort(found["tets"][:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
-    assert np.unique(facets, axis=0, return_counts=True)[1].max() == 2
+    assert facet_counts(found["tets"]).max() == 2
+
+
+def test_a_facet_that_an_overlapping_tet_has_already_is_not_made_again():
+    corners = [[np.cos(a), np.sin(a), 0.0] for a in np.radians([0, 120, 240])]
+    points = np.array([*corners, [0, 0, -1.4], [0, 0, 1.4], [0.1, 0.2, 3]])
+    three = np.array([[3, 4, 0, 1], [3, 4, 1, 2], [3, 4, 2, 0]])  # two on the facet 0-1-2 serve better
+    beside = np.array([[0, 1, 2, 5]])  # reaches through the three, and has that facet
+    assert (quality.volumes(points, np.concatenate([three, beside])) > 0).all()
+    alone = search(TetMesh(points[:5], three), pinned=True, flip_surface=False, split_surface=False)
+    assert len(alone["tets"]) == 2
+    found = search(
+        TetMesh(points, np.concatenate([three, beside])), pinned=True, flip_surface=False, split_surface=False
+    )
+    assert facet_counts(found["tets"]).max() == 2

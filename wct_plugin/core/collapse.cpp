@@ -87,7 +87,7 @@ bool Operators::collapse(int a, int b, double slack) {
     }
     if (candidates_.empty())
         return false;
-    if (!candidates_below(before + slack))
+    if (!candidates_below(before + slack) || !candidates_fit(old))
         return false;
     if (gone.stratum == Stratum::interior && (!ring(a, b, ring_) || !collapse_links(a, b, ring_)))
         return false; // only where the mesh overlaps itself can this be, with all tets positive

@@ -173,6 +173,8 @@ bool Operators::remove_edge(int a, int b, double slack) {
         if (!(after < before + slack))
             return false;
     }
+    if (n == 3 && ring_.closed && !candidates_fit(ring_.tets))
+        return false;
     for (int f = 0; f < fans; ++f)
         if (repeats(fans_[f]))
             return false;

@@ -85,7 +85,7 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
     for (int w : inside)
         if (std::find(wall.begin(), wall.end(), w) == wall.end())
             return false; // w would be left without a tet
-    return candidates_below(before + slack);
+    return candidates_below(before + slack) && candidates_fit(cavity_);
 }
 
 void Operators::fill_cavity() {

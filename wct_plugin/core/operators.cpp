@@ -82,4 +82,24 @@ bool Operators::candidates_below(double limit) {
     return energy_.below(complex_, candidates_, limit, energies_.data());
 }
 
+bool Operators::candidates_fit(const std::vector<int> &gone) const {
+    std::vector<Facet> facets;
+    for (const Tet &tet : candidates_)
+        for (const auto &f : kFacets)
+            facets.push_back(sorted(tet[f[0]], tet[f[1]], tet[f[2]]));
+    std::sort(facets.begin(), facets.end());
+    for (std::size_t k = 0, end = 0; k < facets.size(); k = end) {
+        const auto &[a, b, c] = facets[k];
+        for (end = k + 1; end < facets.size() && facets[end] == facets[k];)
+            ++end;
+        const std::vector<int> &star = complex_.star(a);
+        const auto staying = std::count_if(star.begin(), star.end(), [&](int t) {
+            return complex_.has(t, b) && complex_.has(t, c) && std::find(gone.begin(), gone.end(), t) == gone.end();
+        });
+        if (static_cast<std::size_t>(staying) + (end - k) > 2)
+            return false;
+    }
+    return true;
+}
+
 } // namespace wct

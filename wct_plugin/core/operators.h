@@ -75,6 +75,8 @@ class Operators {
     bool repeats(const Fan &fan) const;
     /// Measures the candidates; whether they can be and cost less than `limit` together.
     bool candidates_below(double limit);
+    /// Whether every facet is of two tets at most once the candidates are there for the tets that go: see joined.
+    bool candidates_fit(const std::vector<int> &gone) const;
     bool collapse_links(int a, int b, const Ring &ring) const;
     bool in_circumsphere(int t, const Vec3 &x) const;
     bool in_cavity(int t) const { return std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end(); }
