@@ -47,8 +47,9 @@ struct GlobalForm {
     /// Share of the tolerance beyond which a facet counts as off, as in the local search.
     static constexpr double held = 0.86;
     /// Share of the facets that may be off before sizes shrink and everything starts once more. Scans have 3-4 %, which
-    /// the local search mends as soon as it would a start with a sixth more tets; noise of two tolerances has 22 %.
-    static constexpr double few_off = 0.08;
+    /// the local search mends as soon as it would a start with a sixth more tets; a ball of coarse facets at a fine
+    /// tolerance has 6 % and takes five times as long without, noise of two tolerances 22 %.
+    static constexpr double few_off = 0.05;
     static constexpr double fit_target = 0.7; // share that costs nothing: between samples facets are farther off
     /// Against the tets' energies; ten times that doubles the bad tets and gains little.
     static constexpr double fit_weight = 0.1;
