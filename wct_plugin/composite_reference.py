@@ -130,8 +130,9 @@ def _farthest(made: SurfaceMesh, fill: Ints, own: Reference, tolerance: float) -
             for one in range(int(fill.max()) + 1)
         ]
     )
-    there = speck[np.isin(hole, np.flatnonzero(apart > tolerance))]
-    if (apart > tolerance).any() and not there.sum() > _CRUMPLED * len(there):
+    parting = np.flatnonzero(apart > tolerance)
+    there = speck[np.isin(hole, parting)]
+    if len(parting) and not there.sum() > _CRUMPLED * len(there):
         return None
     return float(apart.max())
 

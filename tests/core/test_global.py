@@ -5,15 +5,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 from builders import ball, kuhn_cube, l_shape
-from core_meshes import start
+from core_meshes import FACETS, start
 from scipy.spatial import cKDTree
 
 from wct_plugin import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import own_boundary
 from wct_plugin.surface import pinched
-
-FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
 
 def grid(u, v, close_u, close_v):

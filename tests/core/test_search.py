@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from builders import ball, cylinder, jittered_cube, sphere_surface
+from core_meshes import FACETS
 
 from wct_plugin import _core, quality
 from wct_plugin.deviation import deviation
@@ -313,7 +314,7 @@ def test_what_cannot_be_ruled_out_or_worth_is_refused(options, message):
 
 
 def facet_counts(tets):
-    facets = np.sort(tets[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
+    facets = np.sort(tets[:, FACETS].reshape(-1, 3), axis=1)
     return np.unique(facets, axis=0, return_counts=True)[1]
 
 

@@ -21,12 +21,13 @@ def _volume(mesh):
     return quality.volumes(mesh.points, mesh.tets).sum()
 
 
-@pytest.mark.parametrize("degrees", [30, 32, 45])
-def test_a_wedge_becomes_well_centered_without_many_more_tets(degrees):
+@pytest.mark.parametrize(("degrees", "left"), [(25, 0.01), (30, 0.0), (32, 0.0), (45, 0.0)])
+def test_a_wedge_becomes_well_centered_without_many_more_tets(degrees, left):
+    """At 25 degrees rounding decides whether all tets do: of twelve positions five, in the others up to .5 % do not."""
     mesh = wedge(degrees, 9)
     better, metrics = apply_filter("meshing_well_centered", mesh)
-    assert metrics["bad"] == 0
-    assert quality.measure(better).completely_well_centered.all()
+    assert metrics["bad"] <= left * len(better.tets)
+    assert quality.measure(better).completely_well_centered.mean() >= 1.0 - left
     assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
     assert _volume(better) == pytest.approx(_volume(mesh), rel=1e-12)
     assert len(better.tets) <= 1.6 * len(mesh.tets)

@@ -173,6 +173,7 @@ bool Operators::remove_edge(int a, int b, double slack) {
         if (!(after < before + slack))
             return false;
     }
+    // The one facet between three edges that stay; all others have a new edge, which repeats looks for.
     if (n == 3 && ring_.closed && !candidates_fit(ring_.tets))
         return false;
     for (int f = 0; f < fans; ++f)

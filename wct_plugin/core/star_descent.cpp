@@ -148,9 +148,8 @@ bool StarDescent::nudge(int v, const Vec3 &x) {
         Vec3 place = vertex.position + step;
         if (surface && (!guide_.admit(vertex, place) || !watch_.allows(place)))
             continue;
-        if (energy_.at(star_, place, nullptr) < kInfinity) {
+        if (energy_.at(star_, place, nullptr) < kInfinity)
             return settle(v, place);
-        }
     }
     return false;
 }
