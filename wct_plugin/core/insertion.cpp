@@ -34,8 +34,9 @@ bool Operators::in_circumsphere(int t, const Vec3 &x) const {
     return dot(d, d) < dot(r, r);
 }
 
-bool Operators::grow_cavity(const Vec3 &x) {
+bool Operators::grow_cavity(const Vec3 &x, const std::vector<Facet> &open) {
     constexpr std::size_t largest = 60;
+    const std::size_t kept = cavity_.size();
     for (std::size_t k = 0; k < cavity_.size(); ++k) {
         const Tet tet = complex_.tet(cavity_[k]);
         for (int i = 0; i < 4; ++i) {
@@ -47,6 +48,37 @@ bool Operators::grow_cavity(const Vec3 &x) {
             if (cavity_.size() > largest)
                 return false;
         }
+    }
+    return carve_cavity(x, open, kept);
+}
+
+bool Operators::carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std::size_t kept) {
+    const auto hidden = [&](int t) {
+        const Tet &tet = complex_.tet(t);
+        for (int i = 0; i < 4; ++i) {
+            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const Vec3 &o = complex_.point(p);
+            const Vec3 normal = cross(complex_.point(q) - o, complex_.point(r) - o);
+            if (dot(normal, complex_.point(tet[i]) - o) * dot(normal, x - o) > 0.0)
+                continue;
+            const bool surface = complex_.patch_of(p, q, r) >= 0;
+            if (surface && std::find(open.begin(), open.end(), sorted(p, q, r)) != open.end())
+                continue;
+            const int s = surface ? -1 : complex_.across(t, p, q, r);
+            if (s < 0 || !in_cavity(s))
+                return true;
+        }
+        return false;
+    };
+    for (bool again = true; again;) {
+        again = false;
+        for (std::size_t k = cavity_.size(); k-- > 0;)
+            if (hidden(cavity_[k])) {
+                if (k < kept)
+                    return false;
+                cavity_.erase(cavity_.begin() + static_cast<std::ptrdiff_t>(k));
+                again = true;
+            }
     }
     return true;
 }
@@ -100,7 +132,7 @@ void Operators::fill_cavity() {
 
 std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
     cavity_.assign(1, t0);
-    if (!grow_cavity(x))
+    if (!grow_cavity(x, {}))
         return std::nullopt;
     Vertex vertex;
     vertex.position = x;
@@ -161,7 +193,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
                 cavity_.push_back(t);
     std::sort(cavity_.begin(), cavity_.end());
     cavity_.erase(std::unique(cavity_.begin(), cavity_.end()), cavity_.end());
-    if (!grow_cavity(x))
+    if (!grow_cavity(x, open))
         return std::nullopt;
     const int v = complex_.add_vertex(vertex);
     if (!cone_cavity(v, open, slack))

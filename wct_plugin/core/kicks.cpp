@@ -72,9 +72,32 @@ void Kicks::mend_valence(int t) {
 }
 
 void Kicks::refine_surface(int t) {
+    constexpr int most = 6;       // a ridge needs a row of vertices at once
+    constexpr double close = 0.3; // of the shortest edge elsewhere: what is too near can be collapsed afterwards
+    constexpr double slack = std::numeric_limits<double>::infinity();
+    const double shortest = operators_.shortest;
+    operators_.shortest *= close;
     watch_.loose = kLoose;
-    repair_.insert_on_facet(t, std::numeric_limits<double>::infinity());
+    std::optional<int> v = repair_.insert_on_facet(t, slack);
+    for (int k = 1; v && k < most; ++k) {
+        const auto facet = worst_facet(*v);
+        const auto peak = facet ? operators_.farthest(*facet) : std::nullopt;
+        v = peak ? operators_.insert_on_surface(*facet, *peak, slack) : std::nullopt;
+    }
     watch_.loose = 0.0;
+    operators_.shortest = shortest;
+}
+
+std::optional<Facet> Kicks::worst_facet(int v) {
+    std::optional<Facet> worst;
+    double most = 0.0;
+    complex_.surface_at(v, facets_, patches_);
+    for (const Facet &f : facets_)
+        if (const Facet key = sorted(f[0], f[1], f[2]); complex_.over(key) > most) {
+            most = complex_.over(key);
+            worst = key;
+        }
+    return worst;
 }
 
 void Kicks::shake(int t, const Kick &kick, double refine) {

@@ -3,6 +3,7 @@
 #include "agenda.h"
 #include "repair.h"
 
+#include <optional>
 #include <vector>
 
 namespace wct {
@@ -37,9 +38,12 @@ class Kicks {
     /// not let it: flip an edge opposite to it, or do away with it. On the way facets may leave the tolerance.
     void mend_valence(int t);
     /// A facet beyond the tolerance is too large for its place, and so may one be that will not get acute: give the
-    /// surface a vertex there at any price. Chance seldom finds the facet among those of the neighbourhood, and a
-    /// vertex more that is not relaxed yet costs more than the slack of a random operator.
+    /// surface a vertex there at any price, and more where the facets round that are still beyond the tolerance. Chance
+    /// seldom finds the facet among those of the neighbourhood, and a vertex more that is not relaxed yet costs more
+    /// than the slack of a random operator.
     void refine_surface(int t);
+    /// The facet at v that is farthest beyond the tolerance, if one is.
+    std::optional<Facet> worst_facet(int v);
     /// `refine` is the chance that the surface is refined.
     void shake(int t, const Kick &kick, double refine);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was

@@ -80,8 +80,11 @@ class Operators {
     bool collapse_links(int a, int b, const Ring &ring) const;
     bool in_circumsphere(int t, const Vec3 &x) const;
     bool in_cavity(int t) const { return std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end(); }
-    /// Take neighbours in, though none across a surface facet; false if there are too many.
-    bool grow_cavity(const Vec3 &x);
+    /// Take in the tets round those of the cavity whose circumspheres contain x, though none across a surface facet,
+    /// and give up those again that leave a facet on the wall which x does not see. False if there are too many, or if
+    /// such a facet is of a tet that was there at first; x need not see the `open` facets of the surface.
+    bool grow_cavity(const Vec3 &x, const std::vector<Facet> &open);
+    bool carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std::size_t kept);
     /// Candidates from v to every facet of the cavity's wall but the `open` ones of the surface.
     bool cone_cavity(int v, const std::vector<Facet> &open, double slack);
     void fill_cavity();

@@ -71,7 +71,7 @@ bool Repair::random_operator(int t, double slack) {
     case 6:
         return operators_.split(a, b, slack).has_value();
     default:
-        return random_.coin() ? insert_on_facet(t, slack) : insert_inside(t, false, slack);
+        return random_.coin() ? insert_on_facet(t, slack).has_value() : insert_inside(t, false, slack);
     }
 }
 
@@ -90,7 +90,7 @@ bool Repair::insert_inside(int t, bool anywhere, double slack) {
     return operators_.insert(t, x, slack).has_value();
 }
 
-bool Repair::insert_on_facet(int t, double slack) {
+std::optional<int> Repair::insert_on_facet(int t, double slack) {
     const Tet tet = complex_.tet(t);
     std::optional<Facet> chosen;
     int seen = 0;
@@ -98,9 +98,9 @@ bool Repair::insert_on_facet(int t, double slack) {
         if (complex_.patch_of(tet[p], tet[q], tet[r]) >= 0 && random_.below(++seen) == 0)
             chosen = Facet{tet[p], tet[q], tet[r]};
     if (!chosen)
-        return false;
+        return std::nullopt;
     if (const auto peak = operators_.farthest(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2])))
-        return operators_.insert_on_surface(*chosen, *peak, slack).has_value();
+        return operators_.insert_on_surface(*chosen, *peak, slack);
     Vec3 x;
     double sum = 0.0;
     for (int v : *chosen) {
@@ -108,7 +108,7 @@ bool Repair::insert_on_facet(int t, double slack) {
         x += weight * complex_.point(v);
         sum += weight;
     }
-    return operators_.insert_on_surface(*chosen, (1.0 / sum) * x, slack).has_value();
+    return operators_.insert_on_surface(*chosen, (1.0 / sum) * x, slack);
 }
 
 bool Repair::chain(int t) {
@@ -151,7 +151,7 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
     case splits:
         return operators_.split(tet[kEdges[variant][0]], tet[kEdges[variant][1]], 2 * slack).has_value();
     case inserts:
-        return variant < 2 ? insert_inside(t, variant > 0, 2 * slack) : insert_on_facet(t, 2 * slack);
+        return variant < 2 ? insert_inside(t, variant > 0, 2 * slack) : insert_on_facet(t, 2 * slack).has_value();
     case nudges: {
         bool any = false;
         for (int v : tet) {

@@ -44,7 +44,7 @@ class Repair {
     /// A random change of connectivity at t that need not be good.
     bool random_operator(int t, double slack);
     /// A new vertex on a surface facet of t: where the facet is farthest beyond the tolerance, or anywhere on it.
-    bool insert_on_facet(int t, double slack);
+    std::optional<int> insert_on_facet(int t, double slack);
     /// Flips that lower the energy, round the given vertices.
     void flip_round(const std::vector<int> &vertices);
 
