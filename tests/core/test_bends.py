@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import kuhn_grid, two_region_cube
+from builders import cylinder, kuhn_grid, two_region_cube
 from core_meshes import start
 
+from wct_plugin import apply_filter
+from wct_plugin.deviation import deviation
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import given_surface, own_boundary
 
@@ -69,3 +71,13 @@ def test_triangles_that_run_either_way_are_no_bends():
     turned = replace(own, strata=replace(own.strata, triangles=triangles))
     sizes = [start(mesh, one, TOLERANCE)["size"].min() for one in (own, turned)]
     assert sizes[1] > 0.5 * sizes[0]
+
+
+def test_a_long_edge_that_bends_is_followed_all_along():
+    """A prism of ten sides, no crease at 36 degrees, whose edges are a thousand tolerances long."""
+    mesh = cylinder(10, layers=1)
+    mesh = replace(mesh, points=mesh.points * [1.0, 1.0, 4.0])
+    better, metrics = apply_filter("meshing_well_centered", mesh, tolerance=TOLERANCE, edge_length=0.6)
+    assert metrics["bad"] == 0
+    surface = mesh.boundary_surface()
+    assert deviation(better.boundary_surface(), surface).max <= TOLERANCE * surface.diagonal

@@ -30,7 +30,7 @@ constexpr double kBend = 0.99939;
 /// They are no farther apart than this share of the tolerance over the sine of half the bend, but no more than kParts
 /// to an edge.
 constexpr double kApart = 0.3;
-constexpr int kParts = 64;
+constexpr int kParts = 1024;
 
 /// Where a facet is held against the surface: its centroid, half-way from there to the corners, and, only to measure
 /// how far it is, the middles of its edges.
