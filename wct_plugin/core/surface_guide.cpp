@@ -149,8 +149,9 @@ void SurfaceGuide::make_corners(const Surface &surface) {
 
 void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
     const auto &[points, triangles, patch, segments, curve] = surface;
-    std::set<std::array<int, 2>> seen;          // patch and vertex
-    std::map<std::array<int, 3>, Vec3> normals; // by patch and edge: of the triangle seen first
+    std::set<std::array<int, 2>> seen; // patch and vertex
+    // By patch and edge: of the triangle seen first, as if it ran along the edge from the smaller end to the other.
+    std::map<std::array<int, 3>, Vec3> normals;
     for (std::size_t k = 0; k < triangles.size(); ++k) {
         if (patches_[patch[k]].planar)
             continue;
@@ -160,8 +161,9 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
             if (seen.insert({patch[k], t[i]}).second)
                 landmarks_.push_back({points[t[i]], patch[k], false});
             const Edge edge = sorted(t[i], t[(i + 1) % 3]);
-            const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, normal);
-            const double bend = std::abs(dot(found->second, normal)); // its cosine
+            const Vec3 along = t[i] == edge[0] ? normal : -1.0 * normal;
+            const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, along);
+            const double bend = -dot(found->second, along); // its cosine: what follows it runs the other way
             if (first || bend > kBend)
                 continue;
             // The sharper the bend, the faster the distance may grow between landmarks.
