@@ -76,7 +76,8 @@ void Kicks::refine_surface(int t) {
     constexpr double close = 0.3; // of the shortest edge elsewhere: what is too near can be collapsed afterwards
     constexpr double slack = std::numeric_limits<double>::infinity();
     const double shortest = operators_.shortest;
-    operators_.shortest *= close;
+    if (complex_.over(complex_.tet(t)) > 0.0)
+        operators_.shortest *= close;
     watch_.loose = kLoose;
     std::optional<int> v = repair_.insert_on_facet(t, slack);
     for (int k = 1; v && k < most; ++k) {
