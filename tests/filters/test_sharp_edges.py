@@ -23,7 +23,7 @@ def _volume(mesh):
 
 @pytest.mark.parametrize(("degrees", "left"), [(25, 0.01), (30, 0.0), (32, 0.0), (45, 0.0)])
 def test_a_wedge_becomes_well_centered_without_many_more_tets(degrees, left):
-    """At 25 degrees rounding decides whether all tets do: of twelve positions five, in the others up to .5 % do not."""
+    """At 25 degrees rounding decides whether all tets do: of twelve runs eight, in the others up to four do not."""
     mesh = wedge(degrees, 9)
     better, metrics = apply_filter("meshing_well_centered", mesh)
     assert metrics["bad"] <= left * len(better.tets)

@@ -11,6 +11,7 @@ constexpr double kLoose = 3.0; // how far beyond the tolerance a kick may go, in
 /// margin must first have withstood all else: small curved meshes would pay for it with tets.
 constexpr double kRefineOver = 0.9;
 constexpr double kRefine = 0.25;
+constexpr int kTried = 40; // failures at a tet from which on kicks there may leave the mesh worse
 } // namespace
 
 void Kicks::ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out) {
@@ -152,7 +153,7 @@ void Kicks::near_changed(const Vec3 &center, double radius) {
         changed_.push_back(t);
 }
 
-bool Kicks::repair(const Vec3 &center, double radius) {
+bool Kicks::repair(const Vec3 &center, double radius, double worse) {
     double previous = std::numeric_limits<double>::infinity();
     constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
@@ -165,12 +166,19 @@ bool Kicks::repair(const Vec3 &center, double radius) {
             break;
         previous = gain;
     }
-    return complex_.gain() < 0.02;
+    return complex_.gain() < worse;
+}
+
+bool Kicks::tried() {
+    return agenda_.failures(agenda_.next()) >= kTried;
 }
 
 bool Kicks::once() {
     static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0}, {1.4, 0.2, 4, 6.0}, {0.9, 0.3, 4, 10.0}, {1.7, 0.3, 8, 8.0}};
-    constexpr int few = 10; // failures
+    constexpr int few = 10;        // failures
+    constexpr double equal = 0.02; // energies
+    constexpr double most = 0.5;   // by which it may get worse: a bad tet more counts .3
+    constexpr double fewer = 0.1;  // what a bad tet less lowers it by at least
     const int t = agenda_.next();
     const int failures = agenda_.failures(t);
     const Kick &kick = kicks[random_.below(std::size(kicks))];
@@ -190,7 +198,9 @@ bool Kicks::once() {
     complex_.mark();
     const int over = complex_.over_count();
     shake(t, kick, refine);
-    const bool keep = repair(center, radius) && complex_.over_count() <= over;
+    const double chance = random_.uniform();
+    const double worse = equal + (failures < kTried ? 0.0 : most * chance * chance * chance);
+    const bool keep = repair(center, radius, worse) && complex_.over_count() <= over;
     operators_.shortest /= scale;
     operators_.longest /= scale;
     if (!keep) {
@@ -198,7 +208,7 @@ bool Kicks::once() {
         agenda_.failed(t);
         return false;
     }
-    const bool better = complex_.gain() < -1e-3;
+    const bool better = complex_.gain() < -fewer;
     complex_.changed(changed_);
     complex_.commit();
     agenda_.update(changed_, better ? failures / 2 : failures + 1);

@@ -9,8 +9,10 @@
 namespace wct {
 
 /// Iterated local search (Lourenço, Martin, Stützle 2003) at the tets that miss the goal: kick a neighbourhood, repair
-/// it, keep the result unless it got worse. Kicks are small: of hundreds that reached farther, at places where nothing
-/// else had helped either, one in five hundred brought anything, at three times the cost.
+/// it, keep the result unless it got worse, or not much worse where all else has failed (their acceptance between
+/// "better" and "random walk"): places that held out for a thousand kicks come right so in some hundred. Kicks are
+/// small: of hundreds that reached farther, at places where nothing else had helped either, one in five hundred brought
+/// anything, at three times the cost.
 class Kicks {
   public:
     Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
@@ -21,7 +23,10 @@ class Kicks {
     /// Look for bad tets afresh, after changes made elsewhere.
     void restart() { agenda_.rebuild(); }
     int bad() const { return agenda_.bad(); }
-    /// Kick at the bad tet tried least; there must be one. True if the mesh got better.
+    /// Whether even the bad tet tried least, there must be one, has been tried so often that its kick may leave the
+    /// mesh worse.
+    bool tried();
+    /// Kick at the bad tet tried least; there must be one. True if the mesh got better by a bad tet.
     bool once();
 
   private:
@@ -49,7 +54,8 @@ class Kicks {
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
     /// has been tried before.
     void near_changed(const Vec3 &center, double radius);
-    bool repair(const Vec3 &center, double radius);
+    /// Whether the mesh has got better, or worse by less than that.
+    bool repair(const Vec3 &center, double radius, double worse);
 
     TetComplex &complex_;
     const SearchEnergy &energy_;

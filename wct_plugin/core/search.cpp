@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace wct {
 
@@ -129,19 +130,27 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
     kicks_.restart();
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
     int least = kicks_.bad();
-    long vain = 0; // kicks since there were fewer bad tets than ever before
+    std::optional<TetComplex> best; // the mesh with so few, once kicks may leave it worse
+    long vain = 0;                  // kicks since there were fewer bad tets than ever before
     Price price;
+    const auto give_up = [&] {
+        if (best && kicks_.bad() > least)
+            complex_ = *std::move(best);
+        return false;
+    };
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = std::max(1L, bearable(least));
         if (vain >= limit || !worthwhile(price, least, worth))
-            return false;
+            return give_up();
         if (done % rest == 0)
             complex_.resum();
-        outcome_.bad = beside + kicks_.bad();
+        outcome_.bad = beside + least;
         if (done % 8 == 0 && !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
             outcome_.stopped = true;
-            return false;
+            return give_up();
         }
+        if (!best && kicks_.tried())
+            best = complex_;
         ++outcome_.kicks;
         const long before = energy_.evaluations();
         outcome_.accepted += kicks_.once();
@@ -149,6 +158,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
         price.add(static_cast<double>(energy_.evaluations() - before), std::max(0, least - kicks_.bad()));
         if (kicks_.bad() < least) {
             least = kicks_.bad();
+            best.reset();
             vain = 0;
         }
     }
