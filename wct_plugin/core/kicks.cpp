@@ -1,6 +1,7 @@
 #include "kicks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace wct {
@@ -11,7 +12,7 @@ constexpr double kLoose = 3.0; // how far beyond the tolerance a kick may go, in
 /// margin must first have withstood all else: small curved meshes would pay for it with tets.
 constexpr double kRefineOver = 0.9;
 constexpr double kRefine = 0.25;
-constexpr int kTried = 40; // failures at a tet from which on kicks there may leave the mesh worse
+constexpr int kTried = 20; // failures at a tet from which on kicks there may leave the mesh worse
 } // namespace
 
 void Kicks::ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out) {
@@ -177,7 +178,7 @@ bool Kicks::once() {
     static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0}, {1.4, 0.2, 4, 6.0}, {0.9, 0.3, 4, 10.0}, {1.7, 0.3, 8, 8.0}};
     constexpr int few = 10;        // failures
     constexpr double equal = 0.02; // energies
-    constexpr double most = 0.5;   // by which it may get worse: a bad tet more counts .3
+    constexpr double most = 1.2;   // by which it may get worse: a bad tet more counts .3
     constexpr double fewer = 0.1;  // what a bad tet less lowers it by at least
     const int t = agenda_.next();
     const int failures = agenda_.failures(t);
@@ -199,7 +200,7 @@ bool Kicks::once() {
     const int over = complex_.over_count();
     shake(t, kick, refine);
     const double chance = random_.uniform();
-    const double worse = equal + (failures < kTried ? 0.0 : most * chance * chance * chance);
+    const double worse = equal + (failures < kTried ? 0.0 : most * chance * std::sqrt(chance));
     const bool keep = repair(center, radius, worse) && complex_.over_count() <= over;
     operators_.shortest /= scale;
     operators_.longest /= scale;

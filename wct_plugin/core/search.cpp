@@ -75,57 +75,24 @@ void Search::sweep(int recipe) {
     repair_.pass_changed(recipe, tets);
 }
 
-double Search::clearance() const {
-    double worst = 1.0;
-    for (std::size_t k = 0; k < complex_.tet_slots(); ++k) {
-        const int t = static_cast<int>(k);
-        if (!complex_.alive(t))
-            continue;
-        TetLanes lanes;
-        for (int i = 0; i < 4; ++i)
-            lanes.set_all(i, complex_.point(complex_.tet(t)[i]));
-        WorstLanes found;
-        measure_worst(lanes, options_.acute, found);
-        worst = std::min({worst, found.height[0], found.cosine[0]});
-    }
-    return worst;
-}
-
-void Search::polish() {
-    for (double margin : {0.02, 0.03, 0.05, 0.08}) {
-        adopt(sharp_form(options_.acute, margin, margin));
-        for (int sweep = 0; sweep < 6 && complex_.total() > 0.0; ++sweep) {
-            const TetComplex saved = complex_; // smaller than a journal of all moves
-            const double before = clearance();
-            for (std::size_t v = 0; v < complex_.vertex_slots(); ++v)
-                descent_.relax(static_cast<int>(v), 4);
-            if (!(clearance() >= before))
-                complex_ = saved;
-        }
-    }
-}
-
 void Search::widen_margins(const SearchProgress &progress) {
     const auto bearable = [this](int bad) { return patience(bad) / 8; }; // less than for tets that miss the goal itself
-    // So many evaluations per tet are margins worth: a few tets short of them would take longer than all the rest.
-    const double worth = std::min(options_.worth, static_cast<double>(options_.kicks));
-    const int before = count_bad(); // on facets that rule the goal out
+    const int before = count_bad();                                      // on facets that rule the goal out
     const TetComplex saved = complex_;
-    polish();
     adopt(margin_form(options_.acute, options_.margin));
     sweep(1);
-    kick_until_good(progress, "margin", bearable, worth);
+    kick_until_good(progress, "margin", bearable);
     // Several margins may have been bought with a tet that misses the goal.
     adopt(sharp_form(options_.acute));
     if (!outcome_.stopped)
-        kick_until_good(progress, "margin", bearable, worth);
+        kick_until_good(progress, "margin", bearable);
     if (count_bad() > before)
         complex_ = saved;
     adopt(margin_form(options_.acute, options_.margin));
 }
 
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
-                             const std::function<long(int)> &bearable, double worth) {
+                             const std::function<long(int)> &bearable) {
     constexpr long rest = 4096; // kicks between sums from scratch
     kicks_.restart();
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
@@ -140,7 +107,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
     };
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = std::max(1L, bearable(least));
-        if (vain >= limit || !worthwhile(price, least, worth))
+        if (vain >= limit || !worthwhile(price, least))
             return give_up();
         if (done % rest == 0)
             complex_.resum();
@@ -172,7 +139,8 @@ void Search::Price::add(double evaluations, int fewer) {
     gone = keep * gone + fewer;
 }
 
-bool Search::worthwhile(const Price &price, int bad, double worth) const {
+bool Search::worthwhile(const Price &price, int bad) const {
+    const double worth = options_.worth;
     constexpr double small = 3000.0; // tets: a mesh of less is worth as much
     return price.spent < worth * small || price.work * bad <= worth * static_cast<double>(complex_.tets()) * price.gone;
 }
@@ -212,8 +180,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     }
     adopt(sharp_form(options_.acute));
     const auto bearable = [this](int bad) { return options_.hurry ? hurried(bad) : patience(bad); };
-    const bool good =
-        !outcome_.stopped && kick_until_good(progress, "kicks", bearable, options_.worth) && report("kicks", 1.0);
+    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", bearable) && report("kicks", 1.0);
     if (good)
         widen_margins(progress);
     SurfaceBalance(complex_, energy_, guide_, descent_).run();

@@ -10,7 +10,7 @@ namespace wct {
 
 struct SearchOptions {
     bool acute = true;    // aim at CWC; otherwise at 3WC alone
-    double margin = 0.02; // clearance in h/R and cosine the polish aims at
+    double margin = 0.02; // clearance in h/R and cosine aimed at once all tets meet the goal
     bool flip_surface = true;
     bool split_surface = true;
     int passes = 12;    // greatest number of sweeps over all tets that fall short
@@ -35,7 +35,7 @@ using SearchProgress = std::function<bool(const char *phase, double done, int ba
 
 /// Makes a mesh well-centered by local changes: passes over the tets that fall short, each trying operators and keeping
 /// what lowers the energy; then iterated local search (Lourenço, Martin, Stützle 2003) at what is left: kick a
-/// neighbourhood, optimise it again, keep the result unless it got worse; then a polish that widens the margins. Bad
+/// neighbourhood, optimise it again, keep the result unless it got worse; then the same for the margins. Bad
 /// tets never increase from phase to phase, and every intermediate state is a valid mesh.
 class Search {
   public:
@@ -59,15 +59,12 @@ class Search {
         double gone = 0.0;  // bad tets, of late
         void add(double evaluations, int fewer);
     };
-    bool worthwhile(const Price &price, int bad, double worth) const;
+    bool worthwhile(const Price &price, int bad) const;
     /// Kick until no tet is bad, or as long as it pays; `bearable` is how many kicks in vain to bear for the number of
-    /// bad tets left, `worth` as of the options.
-    bool kick_until_good(const SearchProgress &progress, const char *phase, const std::function<long(int)> &bearable,
-                         double worth);
-    void polish();
+    /// bad tets left.
+    bool kick_until_good(const SearchProgress &progress, const char *phase, const std::function<long(int)> &bearable);
     /// Where all tets meet the goal: more clearance for those that do so narrowly, and none the worse for it.
     void widen_margins(const SearchProgress &progress);
-    double clearance() const;
 
     TetComplex &complex_;
     const SurfaceGuide &guide_;
