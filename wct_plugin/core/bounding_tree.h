@@ -40,15 +40,21 @@ template <std::size_t corners> class BoundingTree {
 
     /// `guess` is a piece known or hoped to be near: the better the guess, the less of the tree is visited.
     Closest closest(const Vec3 &x, std::int32_t guess = 0) const {
+        guess = downhill(x, guess, 0.0).piece;
         Closest best{closest_of(guess, x), guess};
         double distance = dot(best.point - x, best.point - x);
-        std::array<std::int32_t, 64> stack; // the tree halves: no deeper than the bits of a count
+        struct Waiting {
+            std::int32_t node;
+            double distance;
+        };
+        std::array<Waiting, 64> stack; // the tree halves: no deeper than the bits of a count
         std::size_t size = 0;
-        stack[size++] = 0;
+        stack[size++] = {0, 0.0};
         while (size) {
-            const Node &node = nodes_[static_cast<std::size_t>(stack[--size])];
-            if (node.squared_distance(x) >= distance)
+            const Waiting next = stack[--size];
+            if (next.distance >= distance)
                 continue;
+            const Node &node = nodes_[static_cast<std::size_t>(next.node)];
             if (node.right < 0) {
                 for (std::int32_t i = node.first; i < node.last; ++i) {
                     const Vec3 point = closest_of(i, x);
@@ -60,13 +66,14 @@ template <std::size_t corners> class BoundingTree {
                 }
                 continue;
             }
-            std::int32_t nearer = static_cast<std::int32_t>(&node - nodes_.data()) + 1;
-            std::int32_t farther = node.right;
-            if (nodes_[static_cast<std::size_t>(farther)].squared_distance(x) <
-                nodes_[static_cast<std::size_t>(nearer)].squared_distance(x))
+            Waiting nearer{next.node + 1, nodes_[static_cast<std::size_t>(next.node) + 1].squared_distance(x)};
+            Waiting farther{node.right, nodes_[static_cast<std::size_t>(node.right)].squared_distance(x)};
+            if (farther.distance < nearer.distance)
                 std::swap(nearer, farther);
-            stack[size++] = farther;
-            stack[size++] = nearer;
+            if (farther.distance < distance)
+                stack[size++] = farther;
+            if (nearer.distance < distance)
+                stack[size++] = nearer;
         }
         return best;
     }
@@ -106,21 +113,9 @@ template <std::size_t corners> class BoundingTree {
     /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first, then the way downhill
     /// from there.
     std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
-        const auto square = [&](std::int32_t piece) {
-            const Vec3 to = gap(piece, x);
-            return dot(to, to);
-        };
-        for (double best = square(guess), before = std::numeric_limits<double>::infinity(); best < before;) {
-            if (best <= distance)
-                return guess;
-            before = best;
-            for (const std::int32_t other : neighbours_[static_cast<std::size_t>(guess)])
-                if (other >= 0)
-                    if (const double here = square(other); here < best) {
-                        best = here;
-                        guess = other;
-                    }
-        }
+        const Downhill found = downhill(x, guess, distance);
+        if (found.square <= distance)
+            return found.piece;
         std::array<std::int32_t, 64> stack;
         std::size_t size = 0;
         stack[size++] = 0;
@@ -157,6 +152,28 @@ template <std::size_t corners> class BoundingTree {
             return dot(d, d);
         }
     };
+
+    /// From piece to neighbour as long as that comes nearer to x, but no farther than to this squared distance.
+    struct Downhill {
+        std::int32_t piece;
+        double square;
+    };
+    Downhill downhill(const Vec3 &x, std::int32_t piece, double enough) const {
+        const auto square = [&](std::int32_t p) {
+            const Vec3 to = gap(p, x);
+            return dot(to, to);
+        };
+        Downhill best{piece, square(piece)};
+        for (double before = std::numeric_limits<double>::infinity(); best.square < before && best.square > enough;) {
+            before = best.square;
+            const std::int32_t at = best.piece;
+            for (const std::int32_t other : neighbours_[static_cast<std::size_t>(at)])
+                if (other >= 0)
+                    if (const double here = square(other); here < best.square)
+                        best = {other, here};
+        }
+        return best;
+    }
 
     /// What tells where a point lies over a triangle: its coordinates along two sides are dot products. Not a number
     /// where the triangle is flat.

@@ -12,29 +12,56 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLargestRing = 9;
 } // namespace
 
-bool Operators::plan(Fan &fan, int a, int b) {
+/// The cheapest way to fill a fan without its edge a-b, if that costs less than `limit`. No energy is negative: a
+/// triangle that costs `limit` by itself is in no such plan, and every plan has a triangle on the polygon's closing
+/// edge. Those are measured first, and mostly that is the end of it.
+bool Operators::plan(Fan &fan, int a, int b, double limit) {
     const int n = static_cast<int>(fan.polygon.size());
     const std::vector<int> &p = fan.polygon;
     const auto at = [n](int i, int k, int j) { return (i * n + k) * n + j; };
+    fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
+    fan.wanted.assign(static_cast<std::size_t>(n) * n, 0);
+    fan.wanted[n - 1] = 1;
     candidates_.clear();
     pairs_.clear();
-    fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
-    for (int i = 0; i < n; ++i)
-        for (int k = i + 1; k < n; ++k)
-            for (int j = k + 1; j < n; ++j) {
-                const Tet below{p[i], p[k], p[j], b}, above{p[j], p[k], p[i], a};
-                if (!SearchEnergy::positive(complex_, below) || !SearchEnergy::positive(complex_, above))
-                    continue;
-                candidates_.push_back(below);
-                candidates_.push_back(above);
-                pairs_.push_back(at(i, k, j));
-            }
-    if (static_cast<int>(pairs_.size()) < n - 2)
+    const auto add_triangles = [&](int i, int j) {
+        for (int k = i + 1; k < j; ++k) {
+            const Tet below{p[i], p[k], p[j], b}, above{p[j], p[k], p[i], a};
+            if (!SearchEnergy::positive(complex_, below) || !SearchEnergy::positive(complex_, above))
+                continue;
+            candidates_.push_back(below);
+            candidates_.push_back(above);
+            pairs_.push_back(at(i, k, j));
+        }
+    };
+    const auto measure = [&] {
+        energies_.resize(candidates_.size());
+        energy_.of(complex_, candidates_, energies_.data());
+        bool any = false;
+        for (std::size_t k = 0; k < pairs_.size(); ++k) {
+            const double energy = energies_[2 * k] + energies_[2 * k + 1];
+            any = any || energy < limit;
+            fan.pair[pairs_[k]] = energy < limit ? energy : kInfinity;
+        }
+        candidates_.clear();
+        pairs_.clear();
+        return any;
+    };
+    add_triangles(0, n - 1);
+    if (!measure())
         return false;
-    energies_.resize(candidates_.size());
-    energy_.of(complex_, candidates_, energies_.data());
-    for (std::size_t k = 0; k < pairs_.size(); ++k)
-        fan.pair[pairs_[k]] = energies_[2 * k] + energies_[2 * k + 1];
+    for (int length = n - 1; length >= 2; --length)
+        for (int i = 0; i + length < n; ++i) {
+            const int j = i + length;
+            if (!fan.wanted[i * n + j])
+                continue;
+            if (length < n - 1)
+                add_triangles(i, j);
+            for (int k = i + 1; k < j; ++k)
+                if (length < n - 1 || fan.pair[at(i, k, j)] < kInfinity)
+                    fan.wanted[i * n + k] = fan.wanted[k * n + j] = 1;
+        }
+    measure();
     // cost[i][j]: cheapest triangulation of p[i..j], with its edge i-j closing it
     fan.cost.assign(static_cast<std::size_t>(n) * n, 0.0);
     fan.choice.assign(static_cast<std::size_t>(n) * n, -1);
@@ -51,7 +78,7 @@ bool Operators::plan(Fan &fan, int a, int b) {
             }
             fan.cost[i * n + j] = best;
         }
-    return fan.cost[n - 1] < kInfinity;
+    return fan.cost[n - 1] < limit;
 }
 
 /// The triangles (i, k, j) of the planned triangulation of a fan's polygon.
@@ -167,11 +194,9 @@ bool Operators::remove_edge(int a, int b, double slack) {
             return false;
     }
     for (int f = 0; f < fans; ++f) {
-        if (!plan(fans_[f], a, b))
+        if (!plan(fans_[f], a, b, before + slack - after))
             return false;
         after += fans_[f].cost[fans_[f].polygon.size() - 1];
-        if (!(after < before + slack))
-            return false;
     }
     // The one facet between three edges that stay; all others have a new edge, which repeats looks for.
     if (n == 3 && ring_.closed && !candidates_fit(ring_.tets))

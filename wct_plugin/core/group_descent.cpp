@@ -95,7 +95,9 @@ bool GroupDescent::relax_round(int t) {
     if (free_.empty())
         return false;
     load();
-    hints_.assign(free_.size(), 0);
+    hints_.clear();
+    for (int v : free_)
+        hints_.push_back(complex_.vertex(v).hint);
     freedoms_.assign(free_.size(), {});
     const double size = complex_.vertex(complex_.tet(t)[0]).size;
     Field at, next, gradient, slope;
@@ -138,6 +140,8 @@ bool GroupDescent::relax_round(int t) {
         if (gain < worth * energy)
             break;
     }
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        complex_.set_hint(free_[i], hints_[i]);
     return energy < start && settle(at);
 }
 

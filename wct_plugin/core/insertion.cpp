@@ -153,6 +153,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     vertex.position = near;
     vertex.stratum = Stratum::patch;
     vertex.label = patch;
+    vertex.hint = complex_.hints(sorted(at[0], at[1], at[2]))[0];
     for (int w : at)
         vertex.size += complex_.vertex(w).size / 3.0;
     if (!guide_.admit(vertex, vertex.position))

@@ -60,11 +60,12 @@ class Operators {
     struct Fan {
         std::vector<int> polygon;
         std::vector<int> tets;
+        std::vector<char> wanted; // whether a plan may have the edge i-j of the polygon
         std::vector<double> pair; // energy of the two tets over triangle (i, k, j) of the polygon
         std::vector<double> cost;
         std::vector<int> choice;
     };
-    bool plan(Fan &fan, int a, int b);
+    bool plan(Fan &fan, int a, int b, double limit);
     template <class Visit> static void each_triangle(const Fan &fan, const Visit &visit);
     void carry_out(const Fan &fan, int a, int b);
     bool flips_surface(int a, int b, int r, int s, int patch);

@@ -56,6 +56,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     } else if (!facet_patches.empty()) {
         middle.stratum = Stratum::patch;
         middle.label = facet_patches[0];
+        middle.hint = complex_.hints(sorted(a, b, facet_apices[0]))[0];
     }
     if (middle.stratum == Stratum::patch)
         for (int apex : facet_apices)

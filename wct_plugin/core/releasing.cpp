@@ -154,6 +154,7 @@ void Releasing::relabel(const std::vector<std::uint8_t> &gone, const std::vector
     for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
         const int v = static_cast<int>(k);
         Vertex vertex = complex_.vertex(v);
+        vertex.hint = 0; // patches and curves will be others
         const bool loose_corner =
             vertex.stratum == Stratum::corner && vertex.label >= 0 && freed[v] && !held[v] && one_sheet[vertex.label];
         if ((vertex.stratum == Stratum::crease && gone[vertex.label]) || loose_corner) {

@@ -1,5 +1,6 @@
 #include "search_energy.h"
 
+#include "extremes.h"
 #include "multiversion.h"
 
 #include <algorithm>
@@ -30,43 +31,55 @@ void load_tet(const TetComplex &complex, const Tet &tet, TetLanes &lanes, int la
 
 } // namespace
 
+// The twelve angles are written out: with a loop over them the compiler goes across them instead of along the lanes.
 WCT_MULTIVERSION
-static void add_needles(const ShapeLanes &shape, const Lanes &least, double weight, Lanes &energy, SlopeLanes *slopes) {
-    const Lanes *__restrict cosine = shape.cosine;
-    Lanes sum{};
-    for (int k = 0; k < 12; ++k)
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const double over = cosine[k].at[lane] - least.at[lane];
-            const double needle = over > 0.0 ? over : 0.0;
-            sum.at[lane] += needle * needle;
+static void add_needles(const ShapeLanes &shape, const Lanes &least, double weight, Lanes &energy) {
+    const ShapeLanes *__restrict in = &shape;
+    const Lanes *__restrict bound = &least;
+    Lanes *__restrict out = &energy;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        double sum = 0.0;
+#pragma GCC unroll 12
+        for (int k = 0; k < 12; ++k) {
+            const double over = larger(0.0, in->cosine[k].at[lane] - bound->at[lane]);
+            sum += over * over;
         }
+        out->at[lane] += weight * sum;
+    }
+}
+
+WCT_MULTIVERSION
+static void add_needle_slopes(const ShapeLanes &shape, const Lanes &least, double weight, SlopeLanes &slopes) {
+    const ShapeLanes *__restrict in = &shape;
+    const Lanes *__restrict bound = &least;
+    SlopeLanes *__restrict out = &slopes;
     for (int lane = 0; lane < kLanes; ++lane)
-        energy.at[lane] += weight * sum.at[lane];
-    if (!slopes)
-        return;
-    Lanes *__restrict slope = slopes->cosine;
-    for (int k = 0; k < 12; ++k)
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const double over = cosine[k].at[lane] - least.at[lane];
-            slope[k].at[lane] += 2.0 * weight * (over > 0.0 ? over : 0.0);
-        }
+#pragma GCC unroll 12
+        for (int k = 0; k < 12; ++k)
+            out->cosine[k].at[lane] += 2.0 * weight * larger(0.0, in->cosine[k].at[lane] - bound->at[lane]);
 }
 
 WCT_MULTIVERSION
 static void add_counts(const ShapeLanes &shape, const SearchForm &form, Lanes &energy) {
-    const ShapeLanes *__restrict s = &shape;
-    const int angles = form.shape.weight2 != 0.0 ? 12 : 0;
-    const SearchForm f = form;
-    Lanes worst = s->height[0];
-    for (int i = 1; i < 4; ++i)
-        for (int lane = 0; lane < kLanes; ++lane)
-            worst.at[lane] = worst.at[lane] < s->height[i].at[lane] ? worst.at[lane] : s->height[i].at[lane];
-    for (int k = 0; k < angles; ++k)
-        for (int lane = 0; lane < kLanes; ++lane)
-            worst.at[lane] = worst.at[lane] < s->cosine[k].at[lane] ? worst.at[lane] : s->cosine[k].at[lane];
+    const ShapeLanes *__restrict in = &shape;
+    Lanes *__restrict out = &energy;
+    const double clearance = form.clearance, count = form.count;
+    const double hard_clearance = form.hard_clearance, hard_count = form.hard_count;
+    Lanes worst;
     for (int lane = 0; lane < kLanes; ++lane)
-        energy.at[lane] +=
-            (worst.at[lane] <= f.clearance ? f.count : 0.0) + (worst.at[lane] <= f.hard_clearance ? f.hard_count : 0.0);
+        worst.at[lane] = smaller(smaller(in->height[0].at[lane], in->height[1].at[lane]),
+                                 smaller(in->height[2].at[lane], in->height[3].at[lane]));
+    if (form.shape.cosines())
+        for (int lane = 0; lane < kLanes; ++lane) {
+            double least = worst.at[lane];
+#pragma GCC unroll 12
+            for (int k = 0; k < 12; ++k)
+                least = smaller(least, in->cosine[k].at[lane]);
+            worst.at[lane] = least;
+        }
+    for (int lane = 0; lane < kLanes; ++lane)
+        out->at[lane] +=
+            (worst.at[lane] <= clearance ? count : 0.0) + (worst.at[lane] <= hard_clearance ? hard_count : 0.0);
 }
 
 bool SearchEnergy::evaluate(const TetLanes &tets, const SearchTerms &terms, Lanes &energy, Lanes *gradient, bool count,
@@ -83,8 +96,11 @@ bool SearchEnergy::evaluate(const TetLanes &tets, const SearchTerms &terms, Lane
     } else {
         penalize(shape, form_.shape, terms.bounds, energy);
     }
-    if (form_.needle_weight != 0.0)
-        add_needles(shape, terms.needle, form_.needle_weight, energy, gradient ? &slopes : nullptr);
+    if (form_.needle_weight != 0.0) {
+        add_needles(shape, terms.needle, form_.needle_weight, energy);
+        if (gradient)
+            add_needle_slopes(shape, terms.needle, form_.needle_weight, slopes);
+    }
     if (count)
         add_counts(shape, form_, energy);
     evaluations_ += kLanes;
@@ -112,7 +128,8 @@ void SearchEnergy::smooth(const TetLanes &tets, const SearchTerms &terms, Lanes 
         for (Lanes &slope : slopes.cosine)
             slope = Lanes{};
     penalize(shape, form, terms.bounds, energy, slopes);
-    add_needles(shape, terms.needle, form_.needle_weight, energy, &slopes);
+    add_needles(shape, terms.needle, form_.needle_weight, energy);
+    add_needle_slopes(shape, terms.needle, form_.needle_weight, slopes);
     differentiate(tets, shape, slopes, true, gradient);
     evaluations_ += kLanes;
 }

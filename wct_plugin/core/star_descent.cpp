@@ -40,7 +40,7 @@ bool StarDescent::relax(int v, int steps) {
     const bool surface = vertex.stratum != Stratum::interior;
     const double over_weight = energy_.form().over_weight;
     Freedom freedom;
-    std::int32_t hint = 0;
+    std::int32_t hint = vertex.hint;
     if (surface) {
         Vec3 place = x;
         if (!guide_.admit(vertex, place, &freedom, hint))
@@ -130,9 +130,8 @@ bool StarDescent::relax(int v, int steps) {
         if (drop < 1e-5 * start)
             break;
     }
-    if (!(current < start))
-        return false;
-    return settle(v, x);
+    complex_.set_hint(v, hint);
+    return current < start && settle(v, x);
 }
 
 bool StarDescent::nudge(int v, const Vec3 &x) {

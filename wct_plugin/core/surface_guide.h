@@ -43,10 +43,10 @@ class SurfaceGuide {
         return vertex.stratum != Stratum::corner || corners_.contains(vertex.label);
     }
     /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is
-    /// where the surface was found last, 0 at first.
+    /// where the surface was found last, the vertex's own at first.
     bool admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const;
     bool admit(const Vertex &vertex, Vec3 &x) const {
-        std::int32_t hint = 0;
+        std::int32_t hint = vertex.hint;
         return admit(vertex, x, nullptr, hint);
     }
 

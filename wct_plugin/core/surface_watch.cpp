@@ -67,10 +67,14 @@ void SurfaceWatch::clear() {
 void SurfaceWatch::goes(const Facet &key, int patch) {
     old_.push_back(piece(key, patch));
     old_.back().was_over = complex_.over(key);
+    old_.back().hints = complex_.hints(key);
 }
 
 void SurfaceWatch::comes(const Facet &key, int patch) {
     new_.push_back(piece(key, patch));
+    for (const Piece &gone : old_) // it will be near where one of those was that it replaces
+        if (gone.patch == patch)
+            new_.back().hints.fill(gone.hints[0]);
 }
 
 /// An edge of a facet that goes stays where it was; an edge of two that come is looked at once.

@@ -34,6 +34,7 @@ struct Vertex {
     /// Cosine above which angles of the tets here are like needles: those below 25.8 degrees, but at a crease that is
     /// as sharp itself.
     double needle = 0.9;
+    std::int32_t hint = 0; // piece of its patch or curve that it was last found near, in no journal like SurfaceHints
 };
 
 /// A tetrahedral mesh under change. Surface facets (the boundary and the interfaces between regions) know their patch,
@@ -80,6 +81,7 @@ class TetComplex {
     /// How many facets are beyond the tolerance.
     int over_count() const { return over_count_; }
     const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
+    void set_hint(int v, std::int32_t hint) { vertices_[v].hint = hint; }
     void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
     /// Note that no tet on a surface facet, which must stay for ever, can meet the goal; whether t has such a facet.
     void rule_out(const Facet &key) {
