@@ -24,6 +24,7 @@ void GroupDescent::gather(int t) {
         tets_.insert(tets_.end(), complex_.star(v).begin(), complex_.star(v).end());
     std::sort(tets_.begin(), tets_.end());
     tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
+    std::stable_sort(tets_.begin(), tets_.end(), [&](int a, int b) { return complex_.energy(a) > complex_.energy(b); });
     corners_.resize(tets_.size());
     for (std::size_t k = 0; k < tets_.size(); ++k)
         for (int i = 0; i < 4; ++i)
@@ -58,7 +59,8 @@ bool GroupDescent::place(const Field &from, double t, const Field &step, Field &
     return true;
 }
 
-double GroupDescent::evaluate(const Field &at, Field &gradient) {
+/// The energy there, or infinity if it is above `limit`: then the gradient is not all there.
+double GroupDescent::evaluate(const Field &at, double limit, Field &gradient) {
     gradient.assign(free_.size(), {});
     double sum = 0.0;
     for (std::size_t g = 0; g < lanes_.size(); ++g) {
@@ -67,18 +69,19 @@ double GroupDescent::evaluate(const Field &at, Field &gradient) {
             for (int i = 0; i < 4; ++i)
                 if (const int n = corners_[std::min(first + lane, tets_.size() - 1)][i]; n >= 0)
                     lanes_[g].set(lane, i, at[n]);
-        Lanes energy;
         GradientLanes pull;
-        energy_.smooth(lanes_[g], terms_[g], energy, pull);
         const int used = static_cast<int>(std::min<std::size_t>(kLanes, tets_.size() - first));
-        for (int lane = 0; lane < used; ++lane) {
-            sum += energy[lane];
+        const double left = limit - sum;
+        const double here = energy_.smooth(lanes_[g], terms_[g], used, left, pull);
+        if (!(here <= left))
+            return kInfinity;
+        if (here == 0.0)
+            continue;
+        sum += here;
+        for (int lane = 0; lane < used; ++lane)
             for (int i = 0; i < 4; ++i)
                 if (const int n = corners_[first + lane][i]; n >= 0)
                     gradient[n] += {pull.corner[i][0][lane], pull.corner[i][1][lane], pull.corner[i][2][lane]};
-        }
-        if (!(sum < kInfinity))
-            return kInfinity;
     }
     for (std::size_t i = 0; i < free_.size(); ++i)
         gradient[i] = freedoms_[i].of(gradient[i]);
@@ -105,7 +108,7 @@ bool GroupDescent::relax_round(int t) {
         at.push_back(complex_.point(v));
     if (!place(at, 0.0, at, next)) // for the freedoms there
         return false;
-    double energy = evaluate(at, gradient);
+    double energy = evaluate(at, std::numeric_limits<double>::max(), gradient);
     const double start = energy;
     LbfgsMemory pairs(memory);
     for (int k = 0; k < iterations && energy > 0.0 && energy < kInfinity; ++k) {
@@ -123,8 +126,8 @@ bool GroupDescent::relax_round(int t) {
         bool lower = false;
         for (int halving = 0; halving < halvings && descent < 0.0 && !lower; ++halving, length *= 0.4) {
             place(at, length, step, next);
-            trial = evaluate(next, slope);
-            lower = trial <= energy + 1e-4 * length * descent;
+            trial = evaluate(next, energy + 1e-4 * length * descent, slope);
+            lower = trial < kInfinity;
         }
         if (!lower) {
             if (pairs.empty())

@@ -23,7 +23,7 @@ class GroupDescent {
     void gather(int t);
     void load();
     bool place(const Field &from, double t, const Field &step, Field &to);
-    double evaluate(const Field &at, Field &gradient);
+    double evaluate(const Field &at, double limit, Field &gradient);
     bool settle(const Field &at);
 
     TetComplex &complex_;

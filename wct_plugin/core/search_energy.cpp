@@ -104,15 +104,18 @@ bool SearchEnergy::evaluate(const TetLanes &tets, const SearchTerms &terms, Lane
     if (count)
         add_counts(shape, form_, energy);
     evaluations_ += kLanes;
-    if (!(std::accumulate(energy.at, energy.at + used, 0.0) <= limit))
+    const double sum = std::accumulate(energy.at, energy.at + used, 0.0);
+    if (!(sum <= limit))
         return false;
-    if (gradient)
+    if (gradient && sum > 0.0)
         differentiate_first(tets, shape, slopes, cosines, gradient);
+    else if (gradient)
+        std::fill(gradient, gradient + 3, Lanes{}); // where there is no energy there is no slope
     return true;
 }
 
-void SearchEnergy::smooth(const TetLanes &tets, const SearchTerms &terms, Lanes &energy,
-                          GradientLanes &gradient) const {
+double SearchEnergy::smooth(const TetLanes &tets, const SearchTerms &terms, int used, double limit,
+                            GradientLanes &gradient) const {
     constexpr double margin = 0.06;
     const bool acute = form_.shape.weight2 != 0.0;
     const EnergyForm form{.margin3 = margin,
@@ -123,15 +126,20 @@ void SearchEnergy::smooth(const TetLanes &tets, const SearchTerms &terms, Lanes 
                           .weight_quality = 0.0};
     ShapeLanes shape;
     SlopeLanes slopes;
+    Lanes energy;
     measure(tets, true, shape);
     if (!acute)
         for (Lanes &slope : slopes.cosine)
             slope = Lanes{};
     penalize(shape, form, terms.bounds, energy, slopes);
     add_needles(shape, terms.needle, form_.needle_weight, energy);
-    add_needle_slopes(shape, terms.needle, form_.needle_weight, slopes);
-    differentiate(tets, shape, slopes, true, gradient);
     evaluations_ += kLanes;
+    const double sum = std::accumulate(energy.at, energy.at + used, 0.0);
+    if (sum > 0.0 && sum <= limit) {
+        add_needle_slopes(shape, terms.needle, form_.needle_weight, slopes);
+        differentiate(tets, shape, slopes, true, gradient);
+    }
+    return sum;
 }
 
 void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const {
@@ -200,8 +208,11 @@ double SearchEnergy::needle(const TetComplex &complex, const Tet &tet) {
 }
 
 void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) const {
-    const std::vector<int> &tets = complex.star(v);
-    star.count = static_cast<int>(tets.size());
+    const std::vector<int> &tets = star.tets = complex.star(v);
+    std::sort(star.tets.begin(), star.tets.end(), [&](int a, int b) {
+        const double first = complex.energy(a), second = complex.energy(b);
+        return first != second ? first > second : a < b;
+    });
     const std::size_t groups = (tets.size() + kLanes - 1) / kLanes;
     star.lanes.resize(groups);
     star.terms.resize(groups);
@@ -224,7 +235,7 @@ double SearchEnergy::at(StarLanes &star, const Vec3 &x, Vec3 *gradient, double l
         star.lanes[g].set_all(0, x);
         Lanes energy;
         Lanes slope[3];
-        const int used = std::min(kLanes, star.count - static_cast<int>(g) * kLanes);
+        const int used = star.used(g);
         if (!evaluate(star.lanes[g], star.terms[g], energy, gradient ? slope : nullptr, false, used, limit - sum))
             return kInfinity; // no energy is negative
         for (int lane = 0; lane < used; ++lane) {
@@ -241,7 +252,7 @@ void SearchEnergy::each(StarLanes &star, const Vec3 &x, double *energies) const 
         star.lanes[g].set_all(0, x);
         Lanes energy;
         evaluate(star.lanes[g], star.terms[g], energy, nullptr, true);
-        const int used = std::min(kLanes, star.count - static_cast<int>(g) * kLanes);
+        const int used = star.used(g);
         for (int lane = 0; lane < used; ++lane)
             energies[g * kLanes + lane] = energy[lane];
     }

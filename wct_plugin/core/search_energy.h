@@ -3,6 +3,7 @@
 #include "energy.h"
 #include "tet_complex.h"
 
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <vector>
@@ -34,7 +35,12 @@ struct SearchTerms {
 struct StarLanes {
     std::vector<TetLanes> lanes;
     std::vector<SearchTerms> terms;
-    int count = 0;
+    std::vector<int> tets; // worst first: then most of what goes too far is seen at once
+
+    /// Tets in a group of lanes: the last may have fewer.
+    int used(std::size_t group) const {
+        return static_cast<int>(std::min<std::size_t>(kLanes, tets.size() - group * kLanes));
+    }
 };
 
 class SearchEnergy {
@@ -68,12 +74,14 @@ class SearchEnergy {
     /// the sum is above `limit`: then the rest of the star, and the gradient, are not looked at.
     double at(StarLanes &star, const Vec3 &x, Vec3 *gradient,
               double limit = std::numeric_limits<double>::infinity()) const;
-    /// Energies (with count) of the star's tets with its vertex at x, in the order of the complex's star list.
+    /// Energies (with count) of the star's tets with its vertex at x, in the order of star.tets.
     void each(StarLanes &star, const Vec3 &x, double *energies) const;
 
-    /// Energies and gradients at all corners in a smooth form, for vertices that move together: quadratic penalties, no
-    /// count.
-    void smooth(const TetLanes &tets, const SearchTerms &terms, Lanes &energy, GradientLanes &gradient) const;
+    /// Sum of the first `used` energies in a smooth form, for vertices that move together: quadratic penalties, no
+    /// count. The gradient at all corners is written where that is above zero (with no energy there is no slope) and no
+    /// more than `limit`.
+    double smooth(const TetLanes &tets, const SearchTerms &terms, int used, double limit,
+                  GradientLanes &gradient) const;
 
     /// Tet energies (and gradients) evaluated so far.
     long evaluations() const { return evaluations_; }

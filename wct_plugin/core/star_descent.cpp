@@ -18,9 +18,8 @@ bool StarDescent::settle(int v, const Vec3 &x) {
     complex_.move(v, x);
     energies_.resize(star_.lanes.size() * kLanes);
     energy_.each(star_, x, energies_.data());
-    const std::vector<int> &tets = complex_.star(v);
-    for (std::size_t k = 0; k < tets.size(); ++k)
-        complex_.set_energy(tets[k], energies_[k] + energy_.over(complex_, complex_.tet(tets[k])));
+    for (std::size_t k = 0; k < star_.tets.size(); ++k)
+        complex_.set_energy(star_.tets[k], energies_[k] + energy_.over(complex_, complex_.tet(star_.tets[k])));
     return true;
 }
 
