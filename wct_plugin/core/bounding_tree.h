@@ -40,7 +40,6 @@ template <std::size_t corners> class BoundingTree {
 
     /// `guess` is a piece known or hoped to be near: the better the guess, the less of the tree is visited.
     Closest closest(const Vec3 &x, std::int32_t guess = 0) const {
-        guess = downhill(x, guess, 0.0).piece;
         Closest best{closest_of(guess, x), guess};
         double distance = dot(best.point - x, best.point - x);
         struct Waiting {

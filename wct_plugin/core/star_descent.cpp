@@ -144,9 +144,9 @@ bool StarDescent::nudge(int v, const Vec3 &x) {
     Vec3 step = x - vertex.position;
     for (int trial = 0; trial < 3; ++trial, step = 0.4 * step) {
         Vec3 place = vertex.position + step;
-        if (surface && (!guide_.admit(vertex, place) || !watch_.allows(place)))
+        if (surface && !guide_.admit(vertex, place))
             continue;
-        if (energy_.at(star_, place, nullptr) < kInfinity)
+        if (energy_.at(star_, place, nullptr) < kInfinity && (!surface || watch_.allows(place)))
             return settle(v, place);
     }
     return false;

@@ -178,11 +178,20 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
 
 bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const {
     Freedom left;
-    const auto clamp = [&](const Vec3 &foot, double reach) {
+    const auto pull_to = [&](const Vec3 &foot, double reach) {
         const Vec3 off = x - foot;
         const double length = norm(off);
         if (length > reach)
             x = foot + (reach / length) * off;
+    };
+    const auto clamp = [&](const auto &tree, double reach) {
+        if (const std::int32_t piece = tree.within(x, reach * reach, hint); piece >= 0) {
+            hint = piece;
+            return;
+        }
+        const auto found = tree.closest(x, hint);
+        hint = found.piece;
+        pull_to(found.point, reach);
     };
     switch (vertex.stratum) {
     case Stratum::interior:
@@ -194,9 +203,7 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             left = {Freedom::Kind::plane, patch.normal};
             break;
         }
-        const auto found = patch.tree.closest(x, hint);
-        hint = found.piece;
-        clamp(found.point, kShell * tolerance_);
+        clamp(patch.tree, kShell * tolerance_);
         break;
     }
     case Stratum::crease: {
@@ -210,16 +217,14 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             x -= dot(x - curve.origin, *curve.normal) * *curve.normal;
             left = {Freedom::Kind::plane, *curve.normal};
         }
-        const auto found = curve.tree.closest(x, hint);
-        hint = found.piece;
-        clamp(found.point, kTube * tolerance_);
+        clamp(curve.tree, kTube * tolerance_);
         break;
     }
     case Stratum::corner: {
         const auto home = corners_.find(vertex.label);
         if (home == corners_.end())
             return false;
-        clamp(home->second, kTube * tolerance_);
+        pull_to(home->second, kTube * tolerance_);
         break;
     }
     }
@@ -263,7 +268,10 @@ SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corner
     for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
         const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
-        const auto found = patches_[patch].tree.closest(x, hints[k]);
+        const BoundingTree<3> &tree = patches_[patch].tree;
+        if (worst.distance > 0.0 && tree.reaches(hints[k], x, worst.distance * worst.distance))
+            continue; // no farther than another is
+        const auto found = tree.closest(x, hints[k]);
         hints[k] = found.piece;
         const Vec3 to = found.point - x;
         if (norm(to) > worst.distance)
