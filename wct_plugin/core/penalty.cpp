@@ -38,7 +38,7 @@ struct Penalty {
 };
 
 /// Adds weight * max(0, margin - value)^(twice/2) + quality * (value - 1/3)^2 to the energy and writes its slopes.
-template <int twice, bool sloped> WCT_INLINE void hinge_half(const Penalty &penalty) {
+template <int twice, bool sloped, bool with_quality> WCT_INLINE void hinge_half(const Penalty &penalty) {
     const Lanes *__restrict values = penalty.values;
     const Lanes *__restrict factor = penalty.factor;
     Lanes *__restrict energy = penalty.energy;
@@ -53,12 +53,15 @@ template <int twice, bool sloped> WCT_INLINE void hinge_half(const Penalty &pena
             double value = 0.0;
             double slope = 0.0;
             half_power<twice>(larger(0.0, margin - values[i].at[lane]), value, slope);
-            const double off = values[i].at[lane] - 1.0 / 3.0;
-            sum += weight * value + quality * off * off;
-            if constexpr (sloped) {
-                const double total = 2.0 * quality * off - weight * slope;
-                slopes[i].at[lane] = scale != 0.0 ? scale * total : 0.0;
+            double total = -weight * slope;
+            sum += weight * value;
+            if constexpr (with_quality) {
+                const double off = values[i].at[lane] - 1.0 / 3.0;
+                sum += quality * off * off;
+                total += 2.0 * quality * off;
             }
+            if constexpr (sloped)
+                slopes[i].at[lane] = scale != 0.0 ? scale * total : 0.0;
         }
         energy->at[lane] += sum;
     }
@@ -80,17 +83,17 @@ void hinge_any(const Penalty &penalty, double power) {
         }
 }
 
-template <bool sloped> WCT_INLINE void hinge(const Penalty &penalty, double power) {
+template <bool sloped, bool with_quality> WCT_INLINE void hinge(const Penalty &penalty, double power) {
     if (power == 1.0)
-        hinge_half<2, sloped>(penalty);
+        hinge_half<2, sloped, with_quality>(penalty);
     else if (power == 1.5)
-        hinge_half<3, sloped>(penalty);
+        hinge_half<3, sloped, with_quality>(penalty);
     else if (power == 2.0)
-        hinge_half<4, sloped>(penalty);
+        hinge_half<4, sloped, with_quality>(penalty);
     else if (power == 2.5)
-        hinge_half<5, sloped>(penalty);
+        hinge_half<5, sloped, with_quality>(penalty);
     else if (power == 3.0)
-        hinge_half<6, sloped>(penalty);
+        hinge_half<6, sloped, with_quality>(penalty);
     else
         hinge_any(penalty, power);
 }
@@ -118,14 +121,17 @@ WCT_INLINE void penalize_lanes(const ShapeLanes &shape, const EnergyForm &form, 
         broken[lane] = factor[lane] != 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
         factor[lane] *= terms.weight[lane];
     }
-    hinge<sloped>(
-        Penalty{shape.height, &factor, form.margin3, 1.0, form.weight_quality, &sum, sloped ? slopes->height : nullptr},
-        form.power3);
+    const Penalty heights{
+        shape.height, &factor, form.margin3, 1.0, form.weight_quality, &sum, sloped ? slopes->height : nullptr};
+    if (form.weight_quality != 0.0)
+        hinge<sloped, true>(heights, form.power3);
+    else
+        hinge<sloped, false>(heights, form.power3);
     if (form.cosines())
         for (int k = 0; k < 12; k += 4)
-            hinge<sloped>(Penalty{shape.cosine + k, &factor, form.margin2, form.weight2, 0.0, &sum,
-                                  sloped ? slopes->cosine + k : nullptr},
-                          form.power2);
+            hinge<sloped, false>(Penalty{shape.cosine + k, &factor, form.margin2, form.weight2, 0.0, &sum,
+                                         sloped ? slopes->cosine + k : nullptr},
+                                 form.power2);
     for (int lane = 0; lane < kLanes; ++lane)
         energy[lane] = broken[lane] == 0.0 ? terms.weight[lane] * sum[lane] : broken[lane];
 }

@@ -238,10 +238,10 @@ bool SurfaceWatch::landmarks_covered() {
                 continue;
             }
             // Distance to a facet is convex along a straight edge: it covers what is between two that it covers.
-            if (l > 0 && landmarks[l - 1].joined && complex_.landmark_owner(l - 1) == key)
+            if (l > 0 && landmarks[l - 1].joined && same(complex_.landmark_owner(l - 1), key))
                 continue;
             int first = l, last = l;
-            while (landmarks[last].joined && complex_.landmark_owner(last + 1) == key)
+            while (landmarks[last].joined && same(complex_.landmark_owner(last + 1), key))
                 ++last;
             for (; first <= last && !guide_.covers(new_[i].corners, first); ++first)
                 if (!leave(first, i))
@@ -312,7 +312,7 @@ const std::vector<SurfaceWatch::Beside> &SurfaceWatch::beside(int v) {
     complex_.surface_at(v, facets_, patches_);
     auto &out = beside_.emplace_back(v, std::vector<Beside>{}).second;
     for (std::size_t k = 0; k < facets_.size(); ++k)
-        if (std::none_of(old_.begin(), old_.end(), [&](const Piece &p) { return p.key == facets_[k]; }))
+        if (std::none_of(old_.begin(), old_.end(), [&](const Piece &p) { return same(p.key, facets_[k]); }))
             out.push_back({facets_[k], patches_[k], complex_.corners(facets_[k])});
     return out;
 }

@@ -84,7 +84,8 @@ void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> 
                 continue;
             const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
             const int patch = patch_of(key[0], key[1], key[2]);
-            if (patch >= 0 && std::find(facets.begin(), facets.end(), key) == facets.end()) {
+            if (patch >= 0 &&
+                std::none_of(facets.begin(), facets.end(), [&](const Facet &known) { return same(known, key); })) {
                 facets.push_back(key);
                 patches.push_back(patch);
             }

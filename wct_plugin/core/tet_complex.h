@@ -22,6 +22,14 @@ struct KeyHash {
     std::size_t operator()(const Facet &key) const;
 };
 
+/// What == says, without the call of memcmp that it makes of an array.
+inline bool same(const Facet &a, const Facet &b) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+struct SameKey {
+    bool operator()(const Facet &a, const Facet &b) const { return same(a, b); }
+};
+
 /// Pieces of the surface that parts of a facet were last found near: where to look first. Old ones cost time, no more,
 /// so that they are in no journal.
 using SurfaceHints = std::array<std::int32_t, 10>;
@@ -103,7 +111,7 @@ class TetComplex {
     std::array<Vec3, 3> corners(const Facet &key) const { return {point(key[0]), point(key[1]), point(key[2])}; }
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
-    const std::unordered_map<Facet, SurfaceFacet, KeyHash> &surface() const { return surface_; }
+    const std::unordered_map<Facet, SurfaceFacet, KeyHash, SameKey> &surface() const { return surface_; }
     const std::unordered_map<Edge, int, KeyHash> &creases() const { return creases_; }
 
     int add_vertex(const Vertex &vertex);
@@ -174,7 +182,7 @@ class TetComplex {
     std::vector<double> energies_;
     std::vector<std::uint8_t> alive_;
     std::vector<int> free_; // dead slots nobody can ask back
-    std::unordered_map<Facet, SurfaceFacet, KeyHash> surface_;
+    std::unordered_map<Facet, SurfaceFacet, KeyHash, SameKey> surface_;
     bool any_ruled_out_ = false;
     std::vector<int> over_at_; // per vertex: its facets beyond the tolerance
     int over_count_ = 0;
