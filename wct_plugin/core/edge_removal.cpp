@@ -112,21 +112,25 @@ bool Operators::repeats(const Fan &fan) const {
     return found;
 }
 
-void Operators::carry_out(const Fan &fan, int a, int b) {
+void Operators::take_planned(const Fan &fan, int a, int b) {
     const std::vector<int> &p = fan.polygon;
-    const int region = complex_.region(fan.tets[0]);
-    for (int t : fan.tets)
-        complex_.remove_tet(t);
     candidates_.clear();
     each_triangle(fan, [&](int i, int k, int j) {
         candidates_.push_back({p[i], p[k], p[j], b});
         candidates_.push_back({p[j], p[k], p[i], a});
     });
+}
+
+void Operators::carry_out(const Fan &fan, int a, int b) {
+    const int region = complex_.region(fan.tets[0]);
+    for (int t : fan.tets)
+        complex_.remove_tet(t);
+    take_planned(fan, a, b);
     energies_.resize(candidates_.size());
     energy_.of(complex_, candidates_, energies_.data());
     for (std::size_t k = 0; k < candidates_.size(); ++k)
         complex_.add_tet(candidates_[k], region, energies_[k]);
-    for (int v : p)
+    for (int v : fan.polygon)
         touch(v);
 }
 
@@ -199,8 +203,11 @@ bool Operators::remove_edge(int a, int b, double slack) {
         after += fans_[f].cost[fans_[f].polygon.size() - 1];
     }
     // The one facet between three edges that stay; all others have a new edge, which repeats looks for.
-    if (n == 3 && ring_.closed && !candidates_fit(ring_.tets))
-        return false;
+    if (n == 3 && ring_.closed) {
+        take_planned(fans_[0], a, b);
+        if (!candidates_fit(ring_.tets))
+            return false;
+    }
     for (int f = 0; f < fans; ++f)
         if (repeats(fans_[f]))
             return false;

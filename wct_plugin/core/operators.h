@@ -67,6 +67,8 @@ class Operators {
     };
     bool plan(Fan &fan, int a, int b, double limit);
     template <class Visit> static void each_triangle(const Fan &fan, const Visit &visit);
+    /// The tets of the plan become the candidates.
+    void take_planned(const Fan &fan, int a, int b);
     void carry_out(const Fan &fan, int a, int b);
     bool flips_surface(int a, int b, int r, int s, int patch);
     /// Whether a and b are joined. A new edge between two that are would be there twice: a mesh that overlaps itself,
