@@ -36,17 +36,18 @@ def half(mesh, edges, side):
     return edges[(side * mesh.points[edges][:, :, 2] > 0.25).all(axis=1)]
 
 
-def run(mesh, change, kicks=100, **options):
-    return search(mesh, change=change, passes=3, kicks=kicks, tolerance=TOLERANCE, **options)
+def run(mesh, change, kicks=100, tolerance=TOLERANCE, **options):
+    return search(mesh, change=change, passes=3, kicks=kicks, tolerance=tolerance, **options)
 
 
 def test_creases_that_hold_tets_back_are_released(mesh):
+    tight = 0.03  # at TOLERANCE the search sometimes manages with the creases
     north = half(mesh, surface_edges(mesh), 1)
-    kept = run(mesh, creased(mesh, north))
+    kept = run(mesh, creased(mesh, north), tolerance=tight)
     assert kept["bad"] > 0
     assert len(kept["released"]) == 0
     assert len(kept["creases"]) >= len(north)
-    freed = run(mesh, creased(mesh, north), loose=np.array([0]))
+    freed = run(mesh, creased(mesh, north), tolerance=tight, loose=np.array([0]))
     assert freed["bad"] == 0
     assert freed["released"].tolist() == [0]
     assert len(freed["creases"]) == 0
@@ -54,7 +55,7 @@ def test_creases_that_hold_tets_back_are_released(mesh):
     assert bad(freed["points"], freed["tets"]) == 0
     check_valid(freed)
     before = mesh.boundary_surface()
-    assert deviation(SurfaceMesh(freed["points"], freed["facets"]), before).max <= TOLERANCE
+    assert deviation(SurfaceMesh(freed["points"], freed["facets"]), before).max <= tight
 
 
 def test_creases_that_are_not_loose_stay(mesh):
