@@ -35,8 +35,8 @@ struct GlobalForm {
     static constexpr int rounds = 20; // of descent
     /// What so many rounds must bring the bad tets down to for another to begin: the local search mends the rest
     /// sooner.
-    static constexpr int lately = 3;
-    static constexpr double worth = 0.97;
+    static constexpr int lately = 2;
+    static constexpr double worth = 0.9;
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes
     /// More where the domain was not met, with smaller sizes where its sheets touched each other or were cut across.
