@@ -175,7 +175,7 @@ bool Kicks::tried() {
 }
 
 bool Kicks::once() {
-    static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0}, {1.4, 0.2, 4, 6.0}, {0.9, 0.3, 4, 10.0}, {1.7, 0.3, 8, 8.0}};
+    static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0}, {1.4, 0.2, 4, 6.0}, {0.9, 0.3, 4, 10.0}, {0.7, 0.3, 2, 10.0}};
     constexpr int few = 10;        // failures
     constexpr double equal = 0.02; // energies
     constexpr double most = 1.2;   // by which it may get worse: a bad tet more counts .3
