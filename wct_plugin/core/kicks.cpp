@@ -85,7 +85,7 @@ void Kicks::refine_surface(int t) {
     for (int k = 1; v && k < most; ++k) {
         const auto facet = worst_facet(*v);
         const auto peak = facet ? operators_.farthest(*facet) : std::nullopt;
-        v = peak ? operators_.insert_on_surface(*facet, *peak, slack) : std::nullopt;
+        v = peak ? operators_.refine(*facet, *peak, slack) : std::nullopt;
     }
     watch_.loose = 0.0;
     operators_.shortest = shortest;

@@ -44,6 +44,9 @@ class Operators {
     /// Where the surface and a facet beyond the tolerance are farthest apart: the landmark farthest from the facet, or
     /// else the point of the surface where the facet is farthest from it. A vertex there covers it best.
     std::optional<Vec3> farthest(const Facet &key) const;
+    /// A new vertex of the surface there: in the cavity round the facet or else, where the surface goes on beyond an
+    /// edge of the facet, as at the bottom of a slot or the rim of a fin, on that edge.
+    std::optional<int> refine(const Facet &key, const Vec3 &peak, double slack);
 
     bool ring(int a, int b, Ring &ring) const;
     std::vector<int> touched;

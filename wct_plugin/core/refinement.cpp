@@ -1,4 +1,4 @@
-// Adding a vertex on an edge.
+// Adding a vertex on an edge, or where a facet is farthest from the surface.
 
 #include "operators.h"
 
@@ -28,6 +28,23 @@ std::optional<Vec3> Operators::farthest(const Facet &key) const {
         return std::nullopt;
     const Vec3 &w = gap.weights;
     return w.x * corners[0] + w.y * corners[1] + w.z * corners[2] + gap.to_surface;
+}
+
+std::optional<int> Operators::refine(const Facet &key, const Vec3 &peak, double slack) {
+    constexpr double rounding = 1.0 + 1e-9;
+    const std::array<Vec3, 3> corners = complex_.corners(key);
+    const Vec3 off = peak - closest_on(corners, peak);
+    if (const auto v = insert_on_surface(key, peak, slack))
+        return v;
+    for (int k = 0; k < 3; ++k) {
+        const int a = key[k], b = key[(k + 1) % 3];
+        const Vec3 beyond = peak - closest_on(std::array{corners[k], corners[(k + 1) % 3]}, peak);
+        if (dot(beyond, beyond) > rounding * dot(off, off))
+            continue;
+        if (const auto v = split(a, b, slack))
+            return v;
+    }
+    return std::nullopt;
 }
 
 std::optional<int> Operators::split(int a, int b, double slack) {

@@ -100,7 +100,7 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
     if (!chosen)
         return std::nullopt;
     if (const auto peak = operators_.farthest(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2])))
-        return operators_.insert_on_surface(*chosen, *peak, slack);
+        return operators_.refine(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2]), *peak, slack);
     Vec3 x;
     double sum = 0.0;
     for (int v : *chosen) {
