@@ -112,9 +112,21 @@ template <std::size_t corners> class BoundingTree {
     /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first, then the way downhill
     /// from there.
     std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
-        const Downhill found = downhill(x, guess, distance);
-        if (found.square <= distance)
-            return found.piece;
+        const auto square = [&](std::int32_t piece) {
+            const Vec3 to = gap(piece, x);
+            return dot(to, to);
+        };
+        for (double best = square(guess), before = std::numeric_limits<double>::infinity(); best < before;) {
+            if (best <= distance)
+                return guess;
+            before = best;
+            for (const std::int32_t other : neighbours_[static_cast<std::size_t>(guess)])
+                if (other >= 0)
+                    if (const double here = square(other); here < best) {
+                        best = here;
+                        guess = other;
+                    }
+        }
         std::array<std::int32_t, 64> stack;
         std::size_t size = 0;
         stack[size++] = 0;
@@ -151,28 +163,6 @@ template <std::size_t corners> class BoundingTree {
             return dot(d, d);
         }
     };
-
-    /// From piece to neighbour as long as that comes nearer to x, but no farther than to this squared distance.
-    struct Downhill {
-        std::int32_t piece;
-        double square;
-    };
-    Downhill downhill(const Vec3 &x, std::int32_t piece, double enough) const {
-        const auto square = [&](std::int32_t p) {
-            const Vec3 to = gap(p, x);
-            return dot(to, to);
-        };
-        Downhill best{piece, square(piece)};
-        for (double before = std::numeric_limits<double>::infinity(); best.square < before && best.square > enough;) {
-            before = best.square;
-            const std::int32_t at = best.piece;
-            for (const std::int32_t other : neighbours_[static_cast<std::size_t>(at)])
-                if (other >= 0)
-                    if (const double here = square(other); here < best.square)
-                        best = {other, here};
-        }
-        return best;
-    }
 
     /// What tells where a point lies over a triangle: its coordinates along two sides are dot products. Not a number
     /// where the triangle is flat.

@@ -21,7 +21,6 @@ bool Operators::plan(Fan &fan, int a, int b, double limit) {
     const auto at = [n](int i, int k, int j) { return (i * n + k) * n + j; };
     fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
     fan.wanted.assign(static_cast<std::size_t>(n) * n, 0);
-    fan.wanted[n - 1] = 1;
     candidates_.clear();
     pairs_.clear();
     const auto add_triangles = [&](int i, int j) {
@@ -50,16 +49,17 @@ bool Operators::plan(Fan &fan, int a, int b, double limit) {
     add_triangles(0, n - 1);
     if (!measure())
         return false;
-    for (int length = n - 1; length >= 2; --length)
+    for (int k = 1; k < n - 1; ++k)
+        if (fan.pair[at(0, k, n - 1)] < kInfinity)
+            fan.wanted[k] = fan.wanted[k * n + n - 1] = 1;
+    for (int length = n - 2; length >= 2; --length)
         for (int i = 0; i + length < n; ++i) {
             const int j = i + length;
             if (!fan.wanted[i * n + j])
                 continue;
-            if (length < n - 1)
-                add_triangles(i, j);
+            add_triangles(i, j);
             for (int k = i + 1; k < j; ++k)
-                if (length < n - 1 || fan.pair[at(i, k, j)] < kInfinity)
-                    fan.wanted[i * n + k] = fan.wanted[k * n + j] = 1;
+                fan.wanted[i * n + k] = fan.wanted[k * n + j] = 1;
         }
     measure();
     // cost[i][j]: cheapest triangulation of p[i..j], with its edge i-j closing it

@@ -24,7 +24,7 @@ void GroupDescent::gather(int t) {
         tets_.insert(tets_.end(), complex_.star(v).begin(), complex_.star(v).end());
     std::sort(tets_.begin(), tets_.end());
     tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
-    std::stable_sort(tets_.begin(), tets_.end(), [&](int a, int b) { return complex_.energy(a) > complex_.energy(b); });
+    complex_.sort_worst_first(tets_);
     corners_.resize(tets_.size());
     for (std::size_t k = 0; k < tets_.size(); ++k)
         for (int i = 0; i < 4; ++i)

@@ -153,14 +153,15 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     vertex.position = near;
     vertex.stratum = Stratum::patch;
     vertex.label = patch;
-    vertex.hint = complex_.hints(sorted(at[0], at[1], at[2]))[0];
+    const Facet first = sorted(at[0], at[1], at[2]);
+    vertex.hint = complex_.hints(first)[0];
     for (int w : at)
         vertex.size += complex_.vertex(w).size / 3.0;
     if (!guide_.admit(vertex, vertex.position))
         return std::nullopt;
     const Vec3 x = vertex.position;
     // The facets that make room, across edges that are no creases; an edge of one of them only is on their rim.
-    std::vector<Facet> open{sorted(at[0], at[1], at[2])};
+    std::vector<Facet> open{first};
     std::vector<Edge> edges;
     std::vector<Facet> facets;
     std::vector<int> patches;

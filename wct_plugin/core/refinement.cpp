@@ -32,16 +32,15 @@ std::optional<Vec3> Operators::farthest(const Facet &key) const {
 
 std::optional<int> Operators::refine(const Facet &key, const Vec3 &peak, double slack) {
     constexpr double rounding = 1.0 + 1e-9;
-    const std::array<Vec3, 3> corners = complex_.corners(key);
-    const Vec3 off = peak - closest_on(corners, peak);
     if (const auto v = insert_on_surface(key, peak, slack))
         return v;
+    const std::array<Vec3, 3> corners = complex_.corners(key);
+    const Vec3 off = peak - closest_on(corners, peak);
     for (int k = 0; k < 3; ++k) {
-        const int a = key[k], b = key[(k + 1) % 3];
         const Vec3 beyond = peak - closest_on(std::array{corners[k], corners[(k + 1) % 3]}, peak);
         if (dot(beyond, beyond) > rounding * dot(off, off))
             continue;
-        if (const auto v = split(a, b, slack))
+        if (const auto v = split(key[k], key[(k + 1) % 3], slack))
             return v;
     }
     return std::nullopt;

@@ -99,8 +99,9 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
             chosen = Facet{tet[p], tet[q], tet[r]};
     if (!chosen)
         return std::nullopt;
-    if (const auto peak = operators_.farthest(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2])))
-        return operators_.refine(sorted((*chosen)[0], (*chosen)[1], (*chosen)[2]), *peak, slack);
+    const Facet key = sorted((*chosen)[0], (*chosen)[1], (*chosen)[2]);
+    if (const auto peak = operators_.farthest(key))
+        return operators_.refine(key, *peak, slack);
     Vec3 x;
     double sum = 0.0;
     for (int v : *chosen) {
@@ -205,9 +206,9 @@ void Repair::pass(const Recipe &recipe, const std::vector<int> &tets) {
     order_.clear();
     for (int t : tets)
         if (complex_.alive(t) && energy_.bad(complex_.energy(t)))
-            order_.push_back({-complex_.energy(t), t});
-    std::sort(order_.begin(), order_.end()); // worst first, ties by number
-    for (const auto &[minus_energy, t] : order_)
+            order_.push_back(t);
+    complex_.sort_worst_first(order_);
+    for (int t : order_)
         if (complex_.alive(t) && energy_.bad(complex_.energy(t)))
             improve(recipe, t);
 }

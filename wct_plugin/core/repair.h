@@ -62,7 +62,7 @@ class Repair {
     StarDescent &descent_;
     GroupDescent &group_;
     Random &random_;
-    std::vector<std::pair<double, int>> order_;
+    std::vector<int> order_;
     std::vector<std::pair<unsigned, int>> tries_;
     int clock_ = 0;
     std::vector<int> changed_at_;  // by tet

@@ -84,7 +84,7 @@ static void add_counts(const ShapeLanes &shape, const SearchForm &form, Lanes &e
 
 bool SearchEnergy::evaluate(const TetLanes &tets, const SearchTerms &terms, Lanes &energy, Lanes *gradient, bool count,
                             int used, double limit) const {
-    const bool cosines = form_.shape.weight2 != 0.0 || form_.needle_weight != 0.0;
+    const bool cosines = form_.shape.cosines() || form_.needle_weight != 0.0;
     ShapeLanes shape;
     SlopeLanes slopes;
     measure(tets, cosines, shape);
@@ -117,7 +117,7 @@ bool SearchEnergy::evaluate(const TetLanes &tets, const SearchTerms &terms, Lane
 double SearchEnergy::smooth(const TetLanes &tets, const SearchTerms &terms, int used, double limit,
                             GradientLanes &gradient) const {
     constexpr double margin = 0.06;
-    const bool acute = form_.shape.weight2 != 0.0;
+    const bool acute = form_.shape.cosines();
     const EnergyForm form{.margin3 = margin,
                           .power3 = 2.0,
                           .margin2 = margin,
@@ -208,11 +208,9 @@ double SearchEnergy::needle(const TetComplex &complex, const Tet &tet) {
 }
 
 void SearchEnergy::gather(const TetComplex &complex, int v, StarLanes &star) const {
-    const std::vector<int> &tets = star.tets = complex.star(v);
-    std::sort(star.tets.begin(), star.tets.end(), [&](int a, int b) {
-        const double first = complex.energy(a), second = complex.energy(b);
-        return first != second ? first > second : a < b;
-    });
+    star.tets = complex.star(v);
+    complex.sort_worst_first(star.tets);
+    const std::vector<int> &tets = star.tets;
     const std::size_t groups = (tets.size() + kLanes - 1) / kLanes;
     star.lanes.resize(groups);
     star.terms.resize(groups);

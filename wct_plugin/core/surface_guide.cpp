@@ -264,11 +264,11 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
 
 SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
                                     double enough) const {
+    const BoundingTree<3> &tree = patches_[patch].tree;
     Gap worst;
     for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
         const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
-        const BoundingTree<3> &tree = patches_[patch].tree;
         if (worst.distance > 0.0 && tree.reaches(hints[k], x, worst.distance * worst.distance))
             continue; // no farther than another is
         const auto found = tree.closest(x, hints[k]);

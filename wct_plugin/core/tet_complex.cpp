@@ -102,6 +102,11 @@ std::vector<std::pair<Facet, int>> TetComplex::sorted_surface() const {
     return facets;
 }
 
+void TetComplex::sort_worst_first(std::vector<int> &tets) const {
+    std::sort(tets.begin(), tets.end(),
+              [&](int a, int b) { return energies_[a] != energies_[b] ? energies_[a] > energies_[b] : a < b; });
+}
+
 double TetComplex::over(const Tet &tet) const {
     if (over_count_ == 0)
         return 0.0;

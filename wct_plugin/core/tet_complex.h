@@ -65,6 +65,8 @@ class TetComplex {
     const Tet &tet(int t) const { return tets_[t]; }
     int region(int t) const { return regions_[t]; }
     double energy(int t) const { return energies_[t]; }
+    /// Largest energy first, ties by number.
+    void sort_worst_first(std::vector<int> &tets) const;
     /// Sum over the living tets, kept up to date.
     double total() const { return total_; }
     bool has(int t, int v) const;
