@@ -344,3 +344,41 @@ def test_a_facet_that_an_overlapping_tet_has_already_is_not_made_again():
         TetMesh(points, np.concatenate([three, beside])), pinned=True, flip_surface=False, split_surface=False
     )
     assert facet_counts(found["tets"]).max() == 2
+
+
+def ball_with_an_ear():
+    """A dented ball, its own surface as reference, and a mesh of it with a tet more that fills the dent."""
+    mesh = ball(3)
+    points = mesh.points.copy()
+    a, b, r, s = 0, 3, 1, 8
+    ear = [a, b, s, r]
+    points[[a, b]] *= 0.72
+    dented, filled = TetMesh(points, mesh.tets), TetMesh(points, np.vstack([mesh.tets, [ear]]))
+    assert (_core.orientation(points, filled.tets) == 1).all()
+    of = own_boundary(dented, 180.0).strata
+    assert {tuple(sorted((a, b, r))), tuple(sorted((a, b, s)))} <= rows(of.triangles)
+    own = own_boundary(filled, 180.0).strata
+    change = {
+        "stratum": own.stratum,
+        "label": own.label,
+        "facets": own.triangles,
+        "facet_patch": own.patch,
+        "creases": own.segments,
+        "crease_curve": own.curve,
+        "surface_triangles": of.triangles,
+        "surface_patch": of.patch,
+        "surface_segments": of.segments,
+        "surface_curve": of.curve,
+    }
+    return filled, change, dented.boundary_surface()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_tet_that_fills_a_dent_is_cut_off(seed):
+    mesh, change, surface = ball_with_an_ear()
+    tolerance = 0.05
+    assert deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
+    found = search(mesh, change=change, tolerance=tolerance, seed=seed, passes=1, kicks=0, split_surface=False)
+    check_valid(found)
+    apart = deviation(SurfaceMesh(found["points"], found["facets"]), surface)
+    assert max(apart.max_ab, apart.max_ba) < tolerance

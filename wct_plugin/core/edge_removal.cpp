@@ -150,11 +150,41 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
     return watch_.allows_replacing();
 }
 
+bool Operators::cut_ear(int a, int b, double slack) {
+    const int t = ring_.tets[0], r = ring_.link[0], s = ring_.link[1];
+    const int patch = complex_.patch_of(a, b, r);
+    if (!flip_surface || patch < 0 || complex_.patch_of(a, b, s) != patch || complex_.curve_of(r, s) >= 0)
+        return false;
+    // With an edge inside between r and s, and so tets behind both facets, no vertex is lost and nothing pinches.
+    if (!ring(r, s, ring_) || !ring_.closed ||
+        std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(r, s, v) >= 0; }))
+        return false;
+    watch_.clear();
+    watch_.goes(sorted(a, b, r), patch);
+    watch_.goes(sorted(a, b, s), patch);
+    watch_.comes(sorted(a, r, s), patch);
+    watch_.comes(sorted(b, r, s), patch);
+    if (!watch_.allows_replacing())
+        return false;
+    if (!(energy_.form().over_weight * watch_.cost(nullptr) < complex_.energy(t) + slack))
+        return false;
+    const int behind[2] = {complex_.across(t, a, r, s), complex_.across(t, b, r, s)};
+    watch_.replace();
+    complex_.remove_tet(t);
+    for (int u : behind)
+        complex_.set_energy(u, energy_.of_present(complex_, complex_.tet(u)));
+    for (int v : {a, b, r, s})
+        touch(v);
+    return true;
+}
+
 bool Operators::remove_edge(int a, int b, double slack) {
     if (complex_.curve_of(a, b) >= 0 || !ring(a, b, ring_))
         return false;
     const int n = static_cast<int>(ring_.link.size());
-    if (n < 3 || n > 2 * kLargestRing)
+    if (n == 2)
+        return !ring_.closed && cut_ear(a, b, slack);
+    if (n > 2 * kLargestRing)
         return false;
     int patch = -1;
     int second = -1; // where the other surface facet stands in a closed ring

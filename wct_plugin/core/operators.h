@@ -27,7 +27,7 @@ class Operators {
         : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
 
     /// Swap edge ab for the best triangulation of its link (Klincsek's dynamic program): 3-2, 4-4, 5-6, ...; on the
-    /// surface the edge of two facets is flipped with it (2-2 there).
+    /// surface the edge of two facets is flipped with it (2-2 there). A tet alone at an edge of the hull is cut off.
     bool remove_edge(int a, int b, double slack);
     /// Swap the facet of t opposite corner i for the edge between the two apices.
     bool flip_23(int t, int i, double slack);
@@ -74,6 +74,9 @@ class Operators {
     void take_planned(const Fan &fan, int a, int b);
     void carry_out(const Fan &fan, int a, int b);
     bool flips_surface(int a, int b, int r, int s, int patch);
+    /// Where the ring of ab is one tet, with two facets on the outside: cut it off; its other facets become the
+    /// surface.
+    bool cut_ear(int a, int b, double slack);
     /// Whether a and b are joined. A new edge between two that are would be there twice: a mesh that overlaps itself,
     /// as folds narrower than the tolerance may, leaves room for it.
     bool joined(int a, int b) const;
