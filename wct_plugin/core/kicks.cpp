@@ -8,9 +8,11 @@ namespace wct {
 
 namespace {
 constexpr double kLoose = 3.0; // how far beyond the tolerance a kick may go, in tolerances
-/// Shares of the kicks that refine the surface, at a facet beyond the tolerance and at others. A tet only short of a
-/// margin must first have withstood all else: small curved meshes would pay for it with tets.
+/// Shares of the kicks that refine the surface, at a facet beyond the tolerance, the same where that has failed often
+/// enough, and at others. A tet only short of a margin must first have withstood all else: small curved meshes would
+/// pay for it with tets.
 constexpr double kRefineOver = 0.9;
+constexpr double kRefineStuck = 0.4;
 constexpr double kRefine = 0.25;
 constexpr int kTried = 20; // failures at a tet from which on kicks there may leave the mesh worse
 } // namespace
@@ -81,7 +83,11 @@ void Kicks::refine_surface(int t) {
     if (complex_.over(complex_.tet(t)) > 0.0)
         operators_.shortest *= close;
     watch_.loose = kLoose;
-    std::optional<int> v = repair_.insert_on_facet(t, slack);
+    std::optional<int> v;
+    if (complex_.over(complex_.tet(t)) > 0.0 && random_.coin())
+        v = snap(t);
+    if (!v)
+        v = repair_.insert_on_facet(t, slack);
     for (int k = 1; v && k < most; ++k) {
         const auto facet = worst_facet(*v);
         const auto peak = facet ? operators_.farthest(*facet) : std::nullopt;
@@ -89,6 +95,28 @@ void Kicks::refine_surface(int t) {
     }
     watch_.loose = 0.0;
     operators_.shortest = shortest;
+}
+
+std::optional<int> Kicks::snap(int t) {
+    const Tet tet = complex_.tet(t);
+    for (const auto &[p, q, r] : kFacets) {
+        const Facet key = sorted(tet[p], tet[q], tet[r]);
+        if (complex_.patch_of(tet[p], tet[q], tet[r]) < 0 || complex_.over(key) <= 0.0)
+            continue;
+        const auto peak = operators_.farthest(key);
+        if (!peak)
+            continue;
+        int best = -1;
+        for (int v : key)
+            if (complex_.vertex(v).stratum == Stratum::patch &&
+                (best < 0 || norm(complex_.point(v) - *peak) < norm(complex_.point(best) - *peak)))
+                best = v;
+        if (best >= 0 && descent_.nudge(best, *peak)) {
+            operators_.touch(best);
+            return best;
+        }
+    }
+    return std::nullopt;
 }
 
 std::optional<Facet> Kicks::worst_facet(int v) {
@@ -193,7 +221,7 @@ bool Kicks::once() {
     const double scale = stuck && random_.coin() ? finer : 1.0;
     operators_.shortest *= scale;
     operators_.longest *= scale;
-    const double refine = complex_.over(tet) > 0.0                           ? kRefineOver
+    const double refine = complex_.over(tet) > 0.0                           ? (stuck ? kRefineStuck : kRefineOver)
                           : stuck || energy_.misses_goal(complex_.energy(t)) ? kRefine
                                                                              : 0.0;
     complex_.mark();

@@ -157,14 +157,15 @@ bool SurfaceWatch::allows(const Vec3 &x) {
     }
     for (std::size_t i = 0; i < new_.size(); ++i) {
         const std::size_t k = (suspect_ + i) % new_.size(); // what was refused last is likely to be refused again
-        if (near(new_[k], new_[k].was_over * kRounding))
+        if (near(new_[k], std::max(loose, new_[k].was_over * kRounding)))
             continue;
         suspect_ = k;
         return false;
     }
     if (!landmarks_covered())
         return false;
-    return std::none_of(new_.begin(), new_.end(), [](const Piece &p) { return p.over > p.was_over * kRounding; });
+    return std::none_of(new_.begin(), new_.end(),
+                        [this](const Piece &p) { return p.over > std::max(loose, p.was_over * kRounding); });
 }
 
 bool SurfaceWatch::near(Piece &piece, double allowed) const {
@@ -258,7 +259,7 @@ bool SurfaceWatch::landmarks_covered() {
 bool SurfaceWatch::leave(int landmark, std::size_t piece) {
     if (cover(landmark, old_[piece]))
         return true;
-    if (old_[piece].was_over <= 0.0 && (vertex_ >= 0 || loose <= 0.0))
+    if (old_[piece].was_over <= 0.0 && loose <= 0.0)
         return false;
     Piece *owner = vertex_ >= 0 ? &new_[piece] : nearest(landmark, old_[piece].patch);
     if (!owner)
