@@ -183,7 +183,8 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", bearable) && report("kicks", 1.0);
     if (good)
         widen_margins(progress);
-    SurfaceBalance(complex_, energy_, guide_, descent_).run();
+    if (good || outcome_.stopped || !options_.hurry) // else more is to come
+        SurfaceBalance(complex_, energy_, guide_, descent_).run();
     adopt(sharp_form(options_.acute));
     outcome_.bad = count_bad();
     outcome_.evaluations = energy_.evaluations();
