@@ -1,6 +1,7 @@
 """What a job does to its own process, in native code or not, is one line in its record and nobody else's loss."""
 
 import os
+import socket
 import sys
 import time
 from pathlib import Path
@@ -123,6 +124,16 @@ def test_a_server_that_cannot_start_costs_one_job(tmp_path, monkeypatch):
             broken.setattr(sys, "executable", str(tmp_path / "gone"))
             record, _ = run_isolated(job, server)
         assert record.cause == "no process could be started for the job: No such file or directory"
+        assert run_isolated(job, server)[0].exit_code == 0
+
+
+def test_a_server_that_has_hung_up_but_is_still_there_is_replaced(tmp_path):
+    wct.write(tmp_path / "cube.vtu", kuhn_cube(1))
+    job = Job(str(tmp_path / "cube.vtu"), "cube.vtu", [{"type": "filters.get_quality"}], "2", *2 * [str(tmp_path)])
+    with ForkServer() as server:
+        assert run_isolated(job, server)[0].exit_code == 0
+        assert server._control is not None
+        server._control.shutdown(socket.SHUT_RDWR)  # as a process does that is killed, before it has ended
         assert run_isolated(job, server)[0].exit_code == 0
 
 

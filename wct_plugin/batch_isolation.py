@@ -69,7 +69,7 @@ class ForkServer:
         with mine:
             try:
                 with theirs, self._lock:
-                    socket.send_fds(self._connected(), [b"j"], [theirs.fileno()])
+                    self._send(theirs)
                 mine.sendall(json.dumps({"job": asdict(job), "attempt": str(attempt)}).encode() + b"\n")
                 mine.settimeout(1.0)
                 said = b""
@@ -94,6 +94,14 @@ class ForkServer:
         with self._lock:
             self._closed = True
             self._disconnect()
+
+    def _send(self, connection: socket.socket) -> None:
+        """Hand over the other end of a job's connection."""
+        try:
+            socket.send_fds(self._connected(), [b"j"], [connection.fileno()])
+        except BrokenPipeError:  # a process that ends hangs up some time before it has ended: poll() does not see it
+            self._disconnect()
+            socket.send_fds(self._connected(), [b"j"], [connection.fileno()])
 
     def _connected(self) -> socket.socket:
         if self._closed:
