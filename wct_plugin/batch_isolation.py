@@ -1,5 +1,6 @@
 """The caller's side of :mod:`wct_plugin.batch_server`: a job in a process of its own, and how it ended."""
 
+import array
 import contextlib
 import json
 import os
@@ -23,6 +24,8 @@ from wct_plugin.errors import WctError
 
 #: What tells numerical libraries how many threads to use; values that are set already are the user's.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+#: A send to someone who is gone is an error, not our death by SIGPIPE: gmsh, once started, sets that signal back.
+_NO_SIGNAL = getattr(socket, "MSG_NOSIGNAL", 0)
 
 
 class UnwantedError(WctError):
@@ -70,7 +73,7 @@ class ForkServer:
             try:
                 with theirs, self._lock:
                     self._send(theirs)
-                mine.sendall(json.dumps({"job": asdict(job), "attempt": str(attempt)}).encode() + b"\n")
+                mine.sendall(json.dumps({"job": asdict(job), "attempt": str(attempt)}).encode() + b"\n", _NO_SIGNAL)
                 mine.settimeout(1.0)
                 said = b""
                 while not said.endswith(b"\n"):
@@ -96,12 +99,16 @@ class ForkServer:
             self._disconnect()
 
     def _send(self, connection: socket.socket) -> None:
-        """Hand over the other end of a job's connection."""
-        try:
-            socket.send_fds(self._connected(), [b"j"], [connection.fileno()])
-        except BrokenPipeError:  # a process that ends hangs up some time before it has ended: poll() does not see it
-            self._disconnect()
-            socket.send_fds(self._connected(), [b"j"], [connection.fileno()])
+        """Hand over the other end of a job's connection; :func:`socket.send_fds` of Python 3.11 drops the flag."""
+        handle = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [connection.fileno()]))
+        for again in (True, False):
+            try:
+                self._connected().sendmsg([b"j"], [handle], _NO_SIGNAL)
+                return
+            except BrokenPipeError:  # a process that ends hangs up some time before: poll() does not see it yet
+                if not again:
+                    raise
+                self._disconnect()
 
     def _connected(self) -> socket.socket:
         if self._closed:
