@@ -13,9 +13,9 @@ from wct_plugin.surface import enclosed_volume
 from wct_plugin.topology import Topology
 
 
-def arguments(mesh, *, pinned=False):
+def arguments(mesh, *, pinned=False, crease_angle=40.0):
     """What ``search_well_centered`` takes, for a mesh that stays near its own boundary."""
-    own = own_boundary(mesh, 40.0)
+    own = own_boundary(mesh, crease_angle)
     of = own.strata
     return {
         "points": mesh.points,
@@ -355,21 +355,9 @@ def ball_with_an_ear():
     points[[a, b]] *= 0.72
     dented, filled = TetMesh(points, mesh.tets), TetMesh(points, np.vstack([mesh.tets, [ear]]))
     assert (_core.orientation(points, filled.tets) == 1).all()
-    of = own_boundary(dented, 180.0).strata
-    assert {tuple(sorted((a, b, r))), tuple(sorted((a, b, s)))} <= rows(of.triangles)
-    own = own_boundary(filled, 180.0).strata
-    change = {
-        "stratum": own.stratum,
-        "label": own.label,
-        "facets": own.triangles,
-        "facet_patch": own.patch,
-        "creases": own.segments,
-        "crease_curve": own.curve,
-        "surface_triangles": of.triangles,
-        "surface_patch": of.patch,
-        "surface_segments": of.segments,
-        "surface_curve": of.curve,
-    }
+    surface = {k: v for k, v in arguments(dented, crease_angle=180.0).items() if k.startswith("surface_")}
+    assert {tuple(sorted((a, b, r))), tuple(sorted((a, b, s)))} <= rows(surface["surface_triangles"])
+    change = arguments(filled, crease_angle=180.0) | surface
     return filled, change, dented.boundary_surface()
 
 

@@ -134,6 +134,15 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
         touch(v);
 }
 
+bool Operators::allows_swap(int a, int b, int r, int s, int patch) {
+    watch_.clear();
+    watch_.goes(sorted(a, b, r), patch);
+    watch_.goes(sorted(a, b, s), patch);
+    watch_.comes(sorted(a, r, s), patch);
+    watch_.comes(sorted(b, r, s), patch);
+    return watch_.allows_replacing();
+}
+
 bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
     if (joined(r, s))
         return false; // the surface would pinch
@@ -142,12 +151,7 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
     const Vec3 second = cross(ps - pb, pr - pb);
     if (dot(first, second) < 0.8 * norm(first) * norm(second))
         return false;
-    watch_.clear();
-    watch_.goes(sorted(a, b, r), patch);
-    watch_.goes(sorted(a, b, s), patch);
-    watch_.comes(sorted(a, r, s), patch);
-    watch_.comes(sorted(b, r, s), patch);
-    return watch_.allows_replacing();
+    return allows_swap(a, b, r, s, patch);
 }
 
 bool Operators::cut_ear(int a, int b, double slack) {
@@ -159,14 +163,8 @@ bool Operators::cut_ear(int a, int b, double slack) {
     if (!ring(r, s, ring_) || !ring_.closed ||
         std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(r, s, v) >= 0; }))
         return false;
-    watch_.clear();
-    watch_.goes(sorted(a, b, r), patch);
-    watch_.goes(sorted(a, b, s), patch);
-    watch_.comes(sorted(a, r, s), patch);
-    watch_.comes(sorted(b, r, s), patch);
-    if (!watch_.allows_replacing())
-        return false;
-    if (!(energy_.form().over_weight * watch_.cost(nullptr) < complex_.energy(t) + slack))
+    if (!allows_swap(a, b, r, s, patch) ||
+        !(energy_.form().over_weight * watch_.cost(nullptr) < complex_.energy(t) + slack))
         return false;
     const int behind[2] = {complex_.across(t, a, r, s), complex_.across(t, b, r, s)};
     watch_.replace();

@@ -80,11 +80,12 @@ void Kicks::refine_surface(int t) {
     constexpr double close = 0.3; // of the shortest edge elsewhere: what is too near can be collapsed afterwards
     constexpr double slack = std::numeric_limits<double>::infinity();
     const double shortest = operators_.shortest;
-    if (complex_.over(complex_.tet(t)) > 0.0)
+    const bool over = complex_.over(complex_.tet(t)) > 0.0;
+    if (over)
         operators_.shortest *= close;
     watch_.loose = kLoose;
     std::optional<int> v;
-    if (complex_.over(complex_.tet(t)) > 0.0 && random_.coin())
+    if (over && random_.coin())
         v = snap(t);
     if (!v)
         v = repair_.insert_on_facet(t, slack);
@@ -221,9 +222,9 @@ bool Kicks::once() {
     const double scale = stuck && random_.coin() ? finer : 1.0;
     operators_.shortest *= scale;
     operators_.longest *= scale;
-    const double refine = complex_.over(tet) > 0.0                           ? (stuck ? kRefineStuck : kRefineOver)
-                          : stuck || energy_.misses_goal(complex_.energy(t)) ? kRefine
-                                                                             : 0.0;
+    double refine = stuck || energy_.misses_goal(complex_.energy(t)) ? kRefine : 0.0;
+    if (complex_.over(tet) > 0.0)
+        refine = stuck ? kRefineStuck : kRefineOver;
     complex_.mark();
     const int over = complex_.over_count();
     shake(t, kick, refine);

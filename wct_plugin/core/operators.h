@@ -73,6 +73,8 @@ class Operators {
     /// The tets of the plan become the candidates.
     void take_planned(const Fan &fan, int a, int b);
     void carry_out(const Fan &fan, int a, int b);
+    /// Whether the surface may go over ars and brs instead of abr and abs.
+    bool allows_swap(int a, int b, int r, int s, int patch);
     bool flips_surface(int a, int b, int r, int s, int patch);
     /// Where the ring of ab is one tet, with two facets on the outside: cut it off; its other facets become the
     /// surface.
