@@ -370,3 +370,27 @@ def test_a_tet_that_fills_a_dent_is_cut_off(seed):
     check_valid(found)
     apart = deviation(SurfaceMesh(found["points"], found["facets"]), surface)
     assert max(apart.max_ab, apart.max_ba) < tolerance
+
+
+@pytest.mark.parametrize(("edge", "tops"), [((40, 48), (61, 27)), ((59, 67), (80, 46)), ((63, 71), (50, 84))])
+def test_an_edge_across_a_ridge_is_flipped_onto_it(edge, tops):
+    mesh = ball(3)
+    points = mesh.points.copy()
+    points[list(tops)] *= 1.15
+    mesh = TetMesh(points, mesh.tets)
+    given = arguments(mesh, crease_angle=180.0)
+    triangles = given["surface_triangles"].copy()
+    for triangle in triangles:  # turned where they meet along the edge, so that they meet along the ridge
+        if set(edge) <= set(triangle):
+            i = int(np.flatnonzero(np.isin(triangle, tops))[0])
+            triangle[(i + 2) % 3] = sum(tops) - triangle[i]
+    surface = SurfaceMesh(points, triangles)
+    first, second = (np.cross(*(points[t[1:]] - points[t[0]])) for t in triangles if set(tops) <= set(t))
+    assert first @ second < np.cos(np.radians(55)) * np.linalg.norm(first) * np.linalg.norm(second)
+    tolerance = 0.02
+    assert deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
+    change = {"surface_triangles": triangles}
+    found = search(mesh, change=given | change, tolerance=tolerance, passes=1, kicks=0, split_surface=False)
+    check_valid(found)
+    apart = deviation(SurfaceMesh(found["points"], found["facets"]), surface)
+    assert max(apart.max_ab, apart.max_ba) < tolerance

@@ -134,6 +134,10 @@ void Operators::carry_out(const Fan &fan, int a, int b) {
         touch(v);
 }
 
+bool Operators::beyond(int a, int b, int r, int s) const {
+    return complex_.over(sorted(a, b, r)) > 0.0 || complex_.over(sorted(a, b, s)) > 0.0;
+}
+
 bool Operators::allows_swap(int a, int b, int r, int s, int patch) {
     watch_.clear();
     watch_.goes(sorted(a, b, r), patch);
@@ -149,7 +153,8 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
     const Vec3 &pa = complex_.point(a), &pb = complex_.point(b), &pr = complex_.point(r), &ps = complex_.point(s);
     const Vec3 first = cross(pr - pa, ps - pa);
     const Vec3 second = cross(ps - pb, pr - pb);
-    if (dot(first, second) < 0.8 * norm(first) * norm(second))
+    const double turn = beyond(a, b, r, s) ? 0.3 : 0.8; // at the bottom of a slot the right facets turn by much
+    if (dot(first, second) < turn * norm(first) * norm(second))
         return false;
     return allows_swap(a, b, r, s, patch);
 }
@@ -157,7 +162,8 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
 bool Operators::cut_ear(int a, int b, double slack) {
     const int t = ring_.tets[0], r = ring_.link[0], s = ring_.link[1];
     const int patch = complex_.patch_of(a, b, r);
-    if (!flip_surface || patch < 0 || complex_.patch_of(a, b, s) != patch || complex_.curve_of(r, s) >= 0)
+    if (!flip_surface || patch < 0 || complex_.patch_of(a, b, s) != patch || complex_.curve_of(r, s) >= 0 ||
+        !beyond(a, b, r, s))
         return false;
     // With an edge inside between r and s, and so tets behind both facets, no vertex is lost and nothing pinches.
     if (!ring(r, s, ring_) || !ring_.closed ||

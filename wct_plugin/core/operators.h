@@ -73,11 +73,13 @@ class Operators {
     /// The tets of the plan become the candidates.
     void take_planned(const Fan &fan, int a, int b);
     void carry_out(const Fan &fan, int a, int b);
+    /// Whether facet abr or abs is farther from the surface than the tolerance.
+    bool beyond(int a, int b, int r, int s) const;
     /// Whether the surface may go over ars and brs instead of abr and abs.
     bool allows_swap(int a, int b, int r, int s, int patch);
     bool flips_surface(int a, int b, int r, int s, int patch);
-    /// Where the ring of ab is one tet, with two facets on the outside: cut it off; its other facets become the
-    /// surface.
+    /// Where the ring of ab is one tet, with two facets on the outside, one of them beyond the tolerance: cut it off;
+    /// its other facets become the surface.
     bool cut_ear(int a, int b, double slack);
     /// Whether a and b are joined. A new edge between two that are would be there twice: a mesh that overlaps itself,
     /// as folds narrower than the tolerance may, leaves room for it.
