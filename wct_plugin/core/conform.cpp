@@ -353,7 +353,7 @@ class Round {
                 free.push_back(v);
         if (free.empty()) {
             Vec3 p = spheres_[t].center;
-            if (map_.region(p, reference_.nearest(p)) != complex_.region[t]) {
+            if (map_.region(p, -1) != complex_.region[t]) {
                 p = {};
                 for (const int v : complex_.all.tets[t])
                     p += 0.25 * cloud_.points[v];

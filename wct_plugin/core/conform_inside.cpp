@@ -89,7 +89,7 @@ class Untier {
         if (!free.empty()) {
             const int v = free[random_.below(static_cast<int>(free.size()))];
             cloud_.points[v] += step * cloud_.size[v] * random_.normal3();
-        } else if (map_.region(spheres_[t].center, reference_.nearest(spheres_[t].center)) == complex_.region[t]) {
+        } else if (map_.region(spheres_[t].center, -1) == complex_.region[t]) {
             const double size = (cloud_.size[f[0]] + cloud_.size[f[1]] + cloud_.size[f[2]]) / 3.0;
             cloud_.add(spheres_[t].center + off * size * random_.uniform() * unit(random_.normal3()), Stratum::interior,
                        complex_.region[t], size);

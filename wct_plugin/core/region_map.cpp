@@ -1,6 +1,9 @@
 #include "region_map.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
+#include <limits>
 #include <map>
 
 namespace wct {
@@ -28,6 +31,8 @@ RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(
         for (const int v : mesh.tets[t])
             box.add(mesh.points[v]);
         boxes.push_back(box);
+        const auto &[a, b, c, d] = mesh.tets[t];
+        volume_.push_back(det(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
         for (int i = 0; i < 4; ++i) {
             Half half{{mesh.tets[t][kOutward[i][0]], mesh.tets[t][kOutward[i][1]], mesh.tets[t][kOutward[i][2]]},
                       static_cast<int>(t),
@@ -54,7 +59,8 @@ RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(
                 center += (1.0 / 3.0) * mesh.points[v];
                 gap = std::max(gap, reference.nearest(mesh.points[v]).distance);
             }
-            gap_.push_back(std::max(gap, reference.nearest(center).distance));
+            gap = std::max(gap, reference.nearest(center).distance);
+            strip_.push_back(4.0 * gap * gap);
             facets_.push_back(facet);
             boxes.push_back(box);
         }
@@ -62,6 +68,9 @@ RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(
             ++k;
     }
     surface_ = BoxTree(boxes);
+    std::vector<double> values;
+    std::transform(strip_.begin(), strip_.end(), std::back_inserter(values), std::negate());
+    widest_ = surface_.smallest(values);
 }
 
 Place RegionMap::find(const Vec3 &p) const {
@@ -73,13 +82,14 @@ Place RegionMap::find(const Vec3 &p) const {
                     const Vec3 &pb = mesh_.points[b];
                     const Vec3 &pc = mesh_.points[c];
                     const Vec3 &pd = mesh_.points[d];
-                    const double w[4] = {det(p, pb, pc, pd), det(pa, p, pc, pd), det(pa, pb, p, pd),
-                                         det(pa, pb, pc, p)};
-                    const double sum = w[0] + w[1] + w[2] + w[3];
                     // A hair of slack, so that no point falls between two tets.
-                    if (std::min({w[0], w[1], w[2], w[3]}) < -1e-12 * sum)
+                    const double least = -1e-12 * volume_[t];
+                    double w[4];
+                    if ((w[0] = det(p, pb, pc, pd)) < least || (w[1] = det(pa, p, pc, pd)) < least ||
+                        (w[2] = det(pa, pb, p, pd)) < least || (w[3] = det(pa, pb, pc, p)) < least)
                         return false;
                     place.tet = static_cast<int>(t);
+                    const double sum = w[0] + w[1] + w[2] + w[3];
                     for (int k = 0; k < 4; ++k)
                         place.weight[k] = w[k] / sum;
                     return true;
@@ -107,6 +117,23 @@ Place RegionMap::find_or_nearest(const Vec3 &p) const {
     return place;
 }
 
+int RegionMap::region(const Vec3 &p, int hint) const {
+    // Beyond the strips of all facets the surface has no say.
+    constexpr double none = std::numeric_limits<double>::min(), found = -std::numeric_limits<double>::infinity();
+    const bool beside = surface_.minimise(
+                            none, [&](std::size_t node) { return surface_.box(node).square(p) + widest_[node]; },
+                            [&](std::size_t item, double best) {
+                                const auto &[a, b, c] = facets_[item].corner;
+                                const double square =
+                                    nearest_on_triangle(p, mesh_.points[a], mesh_.points[b], mesh_.points[c]).square;
+                                return square <= strip_[item] ? found : best;
+                            }) == found;
+    if (beside)
+        return region(p, reference_.nearest(p, -1, hint));
+    const Place place = find(p);
+    return place.tet >= 0 ? mesh_.region[place.tet] : -1;
+}
+
 int RegionMap::region(const Vec3 &p, const Foot &foot) const {
     const Place place = find(p);
     const int by_tets = place.tet >= 0 ? mesh_.region[place.tet] : -1;
@@ -115,7 +142,7 @@ int RegionMap::region(const Vec3 &p, const Foot &foot) const {
     const int by_surface = reference_.region_beside(p, foot);
     if (by_tets == by_surface)
         return by_tets;
-    double gap = 0.0;
+    double strip = 0.0;
     const double square = surface_.minimise(
         std::numeric_limits<double>::infinity(), [&](std::size_t node) { return surface_.box(node).square(p); },
         [&](std::size_t item, double best) {
@@ -124,10 +151,10 @@ int RegionMap::region(const Vec3 &p, const Foot &foot) const {
                 nearest_on_triangle(p, mesh_.points[f.corner[0]], mesh_.points[f.corner[1]], mesh_.points[f.corner[2]])
                     .square;
             if (far < best)
-                gap = gap_[item];
+                strip = strip_[item];
             return far;
         });
-    return square <= 4.0 * gap * gap ? by_surface : by_tets;
+    return square <= strip ? by_surface : by_tets;
 }
 
 } // namespace wct

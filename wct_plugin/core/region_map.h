@@ -32,6 +32,8 @@ class RegionMap {
 
     /// Region at p, -1 outside. `foot`: the surface's point nearest to p.
     int region(const Vec3 &p, const Foot &foot) const;
+    /// The same where that point is not known; `hint`: a triangle of the surface near p, -1 if there is none.
+    int region(const Vec3 &p, int hint) const;
     /// The input tet that contains p; tet = -1 if none does.
     Place find(const Vec3 &p) const;
     /// As find, else the nearest point of the input's boundary.
@@ -46,9 +48,13 @@ class RegionMap {
     const InputMesh &mesh_;
     const Reference &reference_;
     BoxTree tets_;
-    std::vector<Facet> facets_; // between different regions or to the outside
+    std::vector<double> volume_; // per tet, six times
+    std::vector<Facet> facets_;  // between different regions or to the outside
     BoxTree surface_;
-    std::vector<double> gap_; // per facet: how far its corners and its center are from the surface
+    /// Per facet the square of the width of the strip where the surface decides: twice as far as the facet's corners
+    /// and its center are from the surface.
+    std::vector<double> strip_;
+    std::vector<double> widest_; // per node of their tree the smallest of -strip_
 };
 
 } // namespace wct

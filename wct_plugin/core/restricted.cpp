@@ -110,7 +110,7 @@ Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const 
         Vec3 center;
         for (const int v : tets[t])
             center += 0.25 * cloud.points[v];
-        complex.region[t] = map.region(center, reference.nearest(center, -1, near));
+        complex.region[t] = map.region(center, near);
     });
     return complex;
 }
