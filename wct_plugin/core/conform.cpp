@@ -24,7 +24,7 @@ class Round {
           const ConformForm &form, Random &random, const Workers &workers)
         : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map), form_(form),
           random_(random) {
-        complex_ = labelled_delaunay(cloud_, reference, map, workers);
+        complex_ = labelled_delaunay(cloud_, map, workers);
         spheres_.resize(complex_.all.tets.size());
         for (std::size_t t = 0; t < spheres_.size(); ++t) {
             const auto &[a, b, c, d] = complex_.all.tets[t];

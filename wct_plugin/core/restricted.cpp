@@ -85,8 +85,7 @@ std::array<int, 3> Complex::facet(int t, int i) const {
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
 
-Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
-                          const Workers &workers) {
+Complex labelled_delaunay(const Cloud &cloud, const RegionMap &map, const Workers &workers) {
     Complex complex{delaunay(cloud.points), {}};
     const auto &tets = complex.all.tets;
     complex.region.resize(tets.size());
@@ -117,7 +116,7 @@ Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const 
 
 Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
                             const Workers &workers) {
-    Complex complex = labelled_delaunay(cloud, reference, map, workers);
+    Complex complex = labelled_delaunay(cloud, map, workers);
     peel(cloud, reference, complex);
     return complex;
 }

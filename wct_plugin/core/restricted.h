@@ -30,7 +30,7 @@ struct Complex {
 };
 
 /// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out.
-Complex labelled_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map, const Workers &workers);
+Complex labelled_delaunay(const Cloud &cloud, const RegionMap &map, const Workers &workers);
 /// The same, with slivers on curved patches taken off too.
 Complex restricted_delaunay(const Cloud &cloud, const Reference &reference, const RegionMap &map,
                             const Workers &workers);
