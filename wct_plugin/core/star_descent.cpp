@@ -9,6 +9,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Where the surface refuses so many steps of one line search, shorter ones would gain little for what asking costs.
 constexpr int kRefusals = 2;
+constexpr double kShorter = 0.3; // what a refused step is shortened to
+/// What a step along the surface must have of the slope of one that leaves it.
+constexpr double kAlong = 0.1;
 
 } // namespace
 
@@ -69,8 +72,8 @@ bool StarDescent::relax(int v, int steps) {
     };
     double current = start;
     for (int step = 0; step < steps && current > 0.0; ++step) {
-        const Vec3 d = freedom.of(-1.0 * times(gradient));
-        const double slope = dot(d, gradient);
+        Vec3 d = freedom.of(-1.0 * times(gradient));
+        double slope = dot(d, gradient);
         const double reach = norm(d);
         if (slope >= 0.0 || reach < 1e-6 * length)
             break;
@@ -80,7 +83,7 @@ bool StarDescent::relax(int v, int steps) {
         Vec3 next, next_gradient;
         Freedom next_freedom;
         double next_energy = kInfinity;
-        for (int trial = 0; trial < 7 && !moved; ++trial, t *= 0.3) {
+        for (int trial = 0; trial < 7 && !moved; ++trial, t *= kShorter) {
             next = x + t * d;
             if (surface && !guide_.admit(vertex, next, &next_freedom, hint))
                 continue;
@@ -91,6 +94,16 @@ bool StarDescent::relax(int v, int steps) {
             if (surface && !watch_.allows(next)) {
                 if (++refused == kRefusals)
                     break;
+                // Mostly the tolerance is in the way: a step along the surface may gain as much.
+                if (refused == 1 && freedom.kind == Freedom::Kind::space) {
+                    const Vec3 normal = watch_.normal();
+                    const Vec3 along = d - dot(d, normal) * normal;
+                    if (const double left = dot(along, gradient); left < kAlong * slope) {
+                        d = along;
+                        slope = left;
+                        t /= kShorter; // as long a step
+                    }
+                }
                 continue;
             }
             if (surface) {

@@ -213,6 +213,16 @@ double SurfaceWatch::cost(Vec3 *gradient) const {
     return sum;
 }
 
+Vec3 SurfaceWatch::normal() const {
+    Vec3 sum;
+    for (const Piece &piece : old_) { // their corners are in the order of the key, so that any may face inwards
+        const Vec3 n = normal_of(piece.corners);
+        sum += (dot(n, sum) < 0.0 ? -1.0 : 1.0) * n;
+    }
+    const double length = norm(sum);
+    return length > 0.0 ? (1.0 / length) * sum : sum;
+}
+
 bool SurfaceWatch::settle(const Vec3 &x) {
     if (!(asked_ == x) && !allows(x))
         return false;

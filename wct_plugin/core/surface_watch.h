@@ -40,6 +40,8 @@ class SurfaceWatch {
     /// What facets beyond the tolerance cost at the place asked about last: the sum of 1 + over, and its gradient with
     /// respect to the vertex.
     double cost(Vec3 *gradient) const;
+    /// Unit normal of the surface at the vertex where it stands: the mean of its facets', larger ones count more.
+    Vec3 normal() const;
 
   private:
     struct Piece {
