@@ -8,7 +8,7 @@ namespace wct {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Where the surface refuses so many steps of one line search, shorter ones would gain little for what asking costs.
-constexpr int kRefusals = 2;
+constexpr int kRefusals = 3;
 constexpr double kShorter = 0.3; // what a refused step is shortened to
 /// What a step along the surface must have of the slope of one that leaves it.
 constexpr double kAlong = 0.1;
