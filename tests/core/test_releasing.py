@@ -71,7 +71,7 @@ def test_creases_that_are_not_loose_stay(mesh):
 def test_those_away_from_bad_tets_stay(mesh):
     edges = surface_edges(mesh)
     bottom = edges[np.argsort(mesh.points[edges][:, :, 2].max(axis=1))[:2]]
-    # With few kicks a tet at the bottom may still be bad when creases are released.
+    # Tets at the bottom may be bad for long too: of eight seeds one still is after so many kicks (seed 0).
     found = run(mesh, creased(mesh, half(mesh, edges, 1), bottom), kicks=1200, seed=1, loose=np.array([1]))
     assert len(found["released"]) == 0
     check_valid(found)

@@ -34,9 +34,8 @@ Cloud own_points(const PinnedFacets &facets, const InputMesh &mesh, std::span<co
 /// Ties and circumcenters beyond a surface facet, counted; points inside are moved, added or dropped against them.
 class Untier {
   public:
-    Untier(Cloud &cloud, const Complex &complex, const Reference &reference, const RegionMap &map,
-           const ConformForm &form, Random &random)
-        : cloud_(cloud), complex_(complex), reference_(reference), map_(map), form_(form), random_(random) {
+    Untier(Cloud &cloud, const Complex &complex, const RegionMap &map, const ConformForm &form, Random &random)
+        : cloud_(cloud), complex_(complex), map_(map), form_(form), random_(random) {
         for (const auto &[a, b, c, d] : complex.all.tets)
             spheres_.push_back(circumsphere(cloud.points[a], cloud.points[b], cloud.points[c], cloud.points[d]));
     }
@@ -98,15 +97,14 @@ class Untier {
 
     Cloud &cloud_;
     const Complex &complex_;
-    const Reference &reference_;
     const RegionMap &map_;
     const ConformForm &form_;
     Random &random_;
     std::vector<Sphere> spheres_;
 };
 
-Interior between(const PinnedFacets &facets, const Reference &reference, const InputMesh &mesh, const RegionMap &map,
-                 std::span<const double> size, const ConformForm &form, Monitor &monitor) {
+Interior between(const PinnedFacets &facets, const InputMesh &mesh, const RegionMap &map, std::span<const double> size,
+                 const ConformForm &form, Monitor &monitor) {
     constexpr double least = 0.05; // distance of points inside, in sizes
     const Keeper keeper(facets, mesh, least);
     Random random(form.seed);
@@ -130,7 +128,7 @@ Interior between(const PinnedFacets &facets, const Reference &reference, const I
             cloud = sound;
             keeper.triangulate(cloud, complex);
         }
-        const std::size_t faults = form.one_sided ? Untier(cloud, complex, reference, map, form, random).run(share) : 0;
+        const std::size_t faults = form.one_sided ? Untier(cloud, complex, map, form, random).run(share) : 0;
         if (best.tets.empty() || faults < fewest) {
             best = merged(sound, complex, facets, mesh, size);
             fewest = faults;
@@ -150,7 +148,7 @@ Interior conform_inside(const Reference &reference, const InputMesh &mesh, const
                         std::span<const Edge> edges, std::span<const double> size, const ConformForm &form,
                         Monitor &monitor) {
     return fill_between(reference, mesh, pinned, edges, monitor, [&](const PinnedFacets &facets, const RegionMap &map) {
-        return between(facets, reference, mesh, map, size, form, monitor);
+        return between(facets, mesh, map, size, form, monitor);
     });
 }
 

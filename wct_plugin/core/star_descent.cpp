@@ -9,9 +9,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Where the surface refuses so many steps of one line search, shorter ones would gain little for what asking costs.
 constexpr int kRefusals = 3;
-constexpr double kShorter = 0.3; // what a refused step is shortened to
+constexpr double kShorter = 0.3; // what a step that fails is shortened to
 /// What a step along the surface must have of the slope of one that leaves it.
-constexpr double kAlong = 0.1;
+constexpr double kSlide = 0.1;
 
 } // namespace
 
@@ -98,10 +98,10 @@ bool StarDescent::relax(int v, int steps) {
                 if (refused == 1 && freedom.kind == Freedom::Kind::space) {
                     const Vec3 normal = watch_.normal();
                     const Vec3 along = d - dot(d, normal) * normal;
-                    if (const double left = dot(along, gradient); left < kAlong * slope) {
+                    if (const double left = dot(along, gradient); left < kSlide * slope) {
                         d = along;
                         slope = left;
-                        t /= kShorter; // as long a step
+                        t /= kShorter; // the next trial takes as long a step
                     }
                 }
                 continue;

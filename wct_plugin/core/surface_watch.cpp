@@ -219,8 +219,7 @@ Vec3 SurfaceWatch::normal() const {
         const Vec3 n = normal_of(piece.corners);
         sum += (dot(n, sum) < 0.0 ? -1.0 : 1.0) * n;
     }
-    const double length = norm(sum);
-    return length > 0.0 ? (1.0 / length) * sum : sum;
+    return unit(sum);
 }
 
 bool SurfaceWatch::settle(const Vec3 &x) {
