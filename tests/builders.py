@@ -87,6 +87,25 @@ def ball(n: int) -> TetMesh:
     return delaunay(np.vstack([fibonacci_sphere(12 * n * n), inside]), flattest=1e-6)
 
 
+def geodesic_ball(n: int, seed: int = 0) -> TetMesh:
+    """The unit ball with an acute surface, an icosahedron's faces divided n by n; a jittered BCC lattice inside."""
+    from scipy.spatial import ConvexHull
+
+    golden = (1.0 + np.sqrt(5.0)) / 2.0
+    signs = [(a, b) for a in (-1.0, 1.0) for b in (-golden, golden)]
+    corners = np.array([np.roll([0.0, a, b], k) for a, b in signs for k in range(3)])
+    weights = np.array([(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]) / n
+    divided = (weights @ corners[ConvexHull(corners).simplices]).reshape(-1, 3)
+    divided /= np.linalg.norm(divided, axis=1, keepdims=True)
+    surface = np.unique(divided.round(12), axis=0)  # points on the icosahedron's edges come from both of its faces
+    cell = 1.5 / n
+    lattice = np.stack(np.meshgrid(*[np.arange(-n, n + 1) * cell] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    lattice = np.vstack([lattice, lattice + cell / 2.0])
+    inside = lattice[np.linalg.norm(lattice, axis=1) < 1.0 - 0.6 * cell]
+    inside = inside + np.random.default_rng(seed).uniform(-0.1 * cell, 0.1 * cell, inside.shape)
+    return delaunay(np.vstack([surface, inside]), flattest=1e-6)
+
+
 def sphere_surface(count: int, radius: float = 1.0) -> SurfaceMesh:
     """The convex hull of ``count`` well spread points on a sphere, outward."""
     from scipy.spatial import ConvexHull

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from benchmarks.odt import odt_delaunay
-from builders import ball, bcc, jittered_cube, kuhn_cube, shaken_cube
+from builders import bcc, geodesic_ball, jittered_cube, kuhn_cube, shaken_cube
 from comparing import assert_same
 from flags import center
 from refusals import refused
@@ -32,8 +32,8 @@ def barycentrics(mesh, weights):
 
 @pytest.fixture(scope="module")
 def relaxed():
-    """An ODT-relaxed ball with a boundary of acute triangles, a tenth of its tets without their circumcenter."""
-    mesh, _ = wct.apply_filter("meshing_well_centered", ball(4), goal="3wc")
+    """An ODT-relaxed ball with a boundary of acute triangles, an eighth of its tets without their circumcenter."""
+    mesh = geodesic_ball(5)
     return TetMesh(*odt_delaunay(mesh.points, mesh.tets, sweeps=10))
 
 
