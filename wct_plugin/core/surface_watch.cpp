@@ -138,6 +138,7 @@ void SurfaceWatch::gather(int v) {
     suspect_ = 0;
     skip_known_edges();
     asked_ = complex_.point(v);
+    allowed_ = true;
     handed_.clear();
     if (std::any_of(old_.begin(), old_.end(), [](const Piece &p) { return p.over > 0.0; }))
         allows(asked_); // so that cost and gradient are there
@@ -145,6 +146,11 @@ void SurfaceWatch::gather(int v) {
 
 bool SurfaceWatch::allows(const Vec3 &x) {
     asked_ = x;
+    allowed_ = facets_allow(x);
+    return allowed_;
+}
+
+bool SurfaceWatch::facets_allow(const Vec3 &x) {
     for (std::size_t i = 0; i < new_.size(); ++i) {
         Piece &piece = new_[i];
         for (int k = 0; k < 3; ++k)
@@ -223,7 +229,7 @@ Vec3 SurfaceWatch::normal() const {
 }
 
 bool SurfaceWatch::settle(const Vec3 &x) {
-    if (!(asked_ == x) && !allows(x))
+    if (!(allowed_ && asked_ == x) && !allows(x))
         return false;
     for (const Handed &handed : handed_)
         complex_.hand_landmark(handed.landmark, handed.to);

@@ -64,6 +64,7 @@ class SurfaceWatch {
         int landmark;
         Facet to;
     };
+    bool facets_allow(const Vec3 &x);
     Piece piece(const Facet &key, int patch) const;
     void skip_known_edges();
     /// How far over the tolerance the piece is where it is now; whether it may be, up to `allowed`.
@@ -84,6 +85,7 @@ class SurfaceWatch {
     std::vector<Handed> handed_;
     std::vector<std::pair<int, std::vector<Beside>>> beside_; // per vertex asked about: the facets there that stay
     Vec3 asked_;                                              // the place asked about last
+    bool allowed_ = false;                                    // what the answer was
     std::size_t suspect_ = 0;
     std::vector<Facet> facets_;
     std::vector<int> patches_;
