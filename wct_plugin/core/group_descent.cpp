@@ -47,16 +47,37 @@ void GroupDescent::load() {
         terms_[g].bounds = SearchEnergy::present_bounds(lanes_[g]);
 }
 
-/// Free vertices at from + t step, each on its stratum; false if one may not move at all.
-bool GroupDescent::place(const Field &from, double t, const Field &step, Field &to) {
+/// Which way each free vertex may move; false if one may not move at all. On a curved surface that is along it: most of
+/// what leaves its tangent plane, the tolerance would refuse in the end.
+bool GroupDescent::hold() {
+    hints_.clear();
+    freedoms_.assign(free_.size(), {});
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        const Vertex &vertex = complex_.vertex(free_[i]);
+        hints_.push_back(vertex.hint);
+        if (vertex.stratum == Stratum::interior)
+            continue;
+        Vec3 x = vertex.position;
+        if (!guide_.admit(vertex, x, &freedoms_[i], hints_[i]))
+            return false;
+        if (freedoms_[i].kind != Freedom::Kind::space)
+            continue;
+        watch_.gather(free_[i]);
+        if (watch_.cost(nullptr) == 0.0) // else it may have to leave it
+            freedoms_[i] = {Freedom::Kind::plane, watch_.normal()};
+    }
+    return true;
+}
+
+/// Free vertices at from + t step, each on its stratum.
+void GroupDescent::place(const Field &from, double t, const Field &step, Field &to) {
     to = from;
     add(to, t, step);
     for (std::size_t i = 0; i < free_.size(); ++i) {
         const Vertex &vertex = complex_.vertex(free_[i]);
-        if (vertex.stratum != Stratum::interior && !guide_.admit(vertex, to[i], &freedoms_[i], hints_[i]))
-            return false;
+        if (vertex.stratum != Stratum::interior)
+            guide_.admit(vertex, to[i], nullptr, hints_[i]);
     }
-    return true;
 }
 
 /// The energy there, or infinity if it is above `limit`: then the gradient is not all there.
@@ -95,19 +116,13 @@ bool GroupDescent::relax_round(int t) {
     constexpr double first = 0.05, most = 0.3; // steps, in sizes
     constexpr double worth = 1e-3;             // relative drop for which to go on
     gather(t);
-    if (free_.empty())
+    if (free_.empty() || !hold())
         return false;
     load();
-    hints_.clear();
-    for (int v : free_)
-        hints_.push_back(complex_.vertex(v).hint);
-    freedoms_.assign(free_.size(), {});
     const double size = complex_.vertex(complex_.tet(t)[0]).size;
     Field at, next, gradient, slope;
     for (int v : free_)
         at.push_back(complex_.point(v));
-    if (!place(at, 0.0, at, next)) // for the freedoms there
-        return false;
     double energy = evaluate(at, std::numeric_limits<double>::max(), gradient);
     const double start = energy;
     LbfgsMemory pairs(memory);
@@ -157,8 +172,15 @@ bool GroupDescent::settle(const Field &at) {
             continue;
         }
         watch_.gather(v);
-        if (watch_.settle(at[i]))
-            complex_.move(v, at[i]);
+        const Vertex &vertex = complex_.vertex(v);
+        Vec3 x = at[i];
+        bool may = watch_.settle(x);
+        if (!may && vertex.stratum == Stratum::patch && !guide_.planar(vertex.label)) {
+            x = vertex.position + freedoms_[i].of(x - vertex.position); // not drawn back into the shell
+            may = watch_.settle(x);
+        }
+        if (may)
+            complex_.move(v, x);
     }
     measured_.clear();
     for (int t : tets_)

@@ -16,13 +16,15 @@ class GroupDescent {
         : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
 
     /// Move the vertices of t and of all tets at them, by a few steps; true if they moved (journaled). No tet inverts.
-    /// Surface vertices that would take a facet out of the tolerance stay where they are.
+    /// Vertices of a curved surface move along it; those that would take a facet out of the tolerance stay where they
+    /// are.
     bool relax_round(int t);
 
   private:
     void gather(int t);
     void load();
-    bool place(const Field &from, double t, const Field &step, Field &to);
+    bool hold();
+    void place(const Field &from, double t, const Field &step, Field &to);
     double evaluate(const Field &at, double limit, Field &gradient);
     bool settle(const Field &at);
 
