@@ -1,6 +1,7 @@
 #include "repair.h"
 
 #include <algorithm>
+#include <array>
 
 namespace wct {
 
@@ -8,9 +9,10 @@ namespace {
 constexpr double kAny = 1e-5; // an energy drop worth keeping
 } // namespace
 
-const Repair::Recipe Repair::recipes[3] = {{edges | facets | collapses, 1.0, 2, 4, 1},
-                                           {edges | facets | collapses | splits | inserts | nudges, 1.0, 2, 4, 1},
-                                           {127u, 2.0, 3, 4, 2}};
+const Repair::Recipe Repair::recipes[3] = {
+    {edges | facets | collapses | groups, 1.0, 2, 4, 1},
+    {edges | facets | collapses | groups | inserts | nudges | splits, 1.0, 2, 4, 1},
+    {edges | facets | collapses | groups | inserts | nudges | splits | chains, 2.0, 3, 4, 2}};
 
 void Repair::flip_round(const std::vector<int> &vertices) {
     std::vector<int> tets;
@@ -149,8 +151,10 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
         return variant % 2 ? operators_.collapse(tet[e[0]], tet[e[1]], 2 * slack)
                            : operators_.collapse(tet[e[1]], tet[e[0]], 2 * slack);
     }
-    case splits:
-        return operators_.split(tet[kEdges[variant][0]], tet[kEdges[variant][1]], 2 * slack).has_value();
+    case splits: {
+        const int *e = kEdges[random_.below(6)];
+        return operators_.split(tet[e[0]], tet[e[1]], 2 * slack).has_value();
+    }
     case inserts:
         return variant < 2 ? insert_inside(t, variant > 0, 2 * slack) : insert_on_facet(t, 2 * slack).has_value();
     case nudges: {
@@ -173,14 +177,21 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
 }
 
 void Repair::improve(const Recipe &recipe, int t) {
-    static constexpr std::pair<unsigned, int> variants[] = {{edges, 6},   {facets, 4}, {collapses, 12}, {splits, 6},
-                                                            {inserts, 4}, {nudges, 2}, {chains, 12}};
+    // How often each may be tried, those first that mend most tets for what they cost; in any order within a row. More
+    // of what is random mends less for its cost than the next kick.
+    using Tries = std::pair<unsigned, int>;
+    static constexpr std::array<Tries, 4> rows[] = {{{{edges, 6}, {facets, 4}, {collapses, 12}}},
+                                                    {{{groups, 1}}},
+                                                    {{{inserts, 4}, {nudges, 1}, {splits, 3}, {chains, 6}}}};
     tries_.clear();
-    for (const auto &[kind, count] : variants)
-        for (int k = 0; k < count && (recipe.operators & kind); ++k)
-            tries_.push_back({kind, k});
-    random_.shuffle(tries_);
-    tries_.insert(tries_.begin(), {groups, 0}); // most likely to help
+    for (const auto &row : rows) {
+        row_.clear();
+        for (const auto &[kind, count] : row)
+            for (int k = 0; k < count && (recipe.operators & kind); ++k)
+                row_.push_back({kind, k});
+        random_.shuffle(row_);
+        tries_.insert(tries_.end(), row_.begin(), row_.end());
+    }
     for (const auto &[kind, variant] : tries_) {
         if (!complex_.alive(t) || !energy_.bad(complex_.energy(t)))
             break;

@@ -63,7 +63,7 @@ class Repair {
     GroupDescent &group_;
     Random &random_;
     std::vector<int> order_;
-    std::vector<std::pair<unsigned, int>> tries_;
+    std::vector<std::pair<unsigned, int>> tries_, row_;
     int clock_ = 0;
     std::vector<int> changed_at_;  // by tet
     std::vector<int> tried_at_[3]; // by tet, for each recipe
