@@ -6,9 +6,10 @@ from builders import ball, jittered_cube
 from test_search import arguments, bad, check_valid, rows, search
 
 from wct_plugin.deviation import deviation
-from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 TOLERANCE = 0.05
+TIGHT = 0.03  # at TOLERANCE the search sometimes manages with the creases
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +19,7 @@ def mesh():
 
 def creased(mesh, *nets):
     """The search's arguments if these sets of edges of the ball's surface were creases, each set a curve."""
-    given = arguments(mesh)
+    given = arguments(mesh, crease_angle=180.0)
     stratum, label = given["stratum"].copy(), given["label"].copy()
     chosen, curve = np.concatenate(nets), np.repeat(np.arange(len(nets)), [len(net) for net in nets])
     corners = np.unique(chosen)
@@ -41,13 +42,12 @@ def run(mesh, change, kicks=100, tolerance=TOLERANCE, **options):
 
 
 def test_creases_that_hold_tets_back_are_released(mesh):
-    tight = 0.03  # at TOLERANCE the search sometimes manages with the creases
     north = half(mesh, surface_edges(mesh), 1)
-    kept = run(mesh, creased(mesh, north), tolerance=tight)
+    kept = run(mesh, creased(mesh, north), tolerance=TIGHT)
     assert kept["bad"] > 0
     assert len(kept["released"]) == 0
     assert len(kept["creases"]) >= len(north)
-    freed = run(mesh, creased(mesh, north), tolerance=tight, loose=np.array([0]))
+    freed = run(mesh, creased(mesh, north), tolerance=TIGHT, loose=np.array([0]))
     assert freed["bad"] == 0
     assert freed["released"].tolist() == [0]
     assert len(freed["creases"]) == 0
@@ -55,7 +55,7 @@ def test_creases_that_hold_tets_back_are_released(mesh):
     assert bad(freed["points"], freed["tets"]) == 0
     check_valid(freed)
     before = mesh.boundary_surface()
-    assert deviation(SurfaceMesh(freed["points"], freed["facets"]), before).max <= tight
+    assert deviation(SurfaceMesh(freed["points"], freed["facets"]), before).max <= TIGHT
 
 
 def test_creases_that_are_not_loose_stay(mesh):
@@ -70,11 +70,18 @@ def test_creases_that_are_not_loose_stay(mesh):
 
 def test_those_away_from_bad_tets_stay(mesh):
     edges = surface_edges(mesh)
-    bottom = edges[np.argsort(mesh.points[edges][:, :, 2].max(axis=1))[:2]]
-    # Tets at the bottom may be bad for long too: of eight seeds one still is after so many kicks (seed 0).
-    found = run(mesh, creased(mesh, half(mesh, edges, 1), bottom), kicks=1200, seed=1, loose=np.array([1]))
-    assert len(found["released"]) == 0
+    away = TetMesh(0.5 * mesh.points + [10.0, 0.0, 0.0], mesh.tets)
+    good = run(away, creased(away, edges[[0, -1]]), kicks=1000)
+    assert good["bad"] == 0
+    both = TetMesh(
+        np.vstack([mesh.points, good["points"]]),
+        np.vstack([mesh.tets, len(mesh.points) + good["tets"]]).astype(np.int64),
+    )
+    change = creased(both, half(mesh, edges, 1), len(mesh.points) + good["creases"])
+    found = run(both, change, tolerance=TIGHT, loose=np.array([0, 1]))
     check_valid(found)
+    assert found["released"].tolist() == [0]
+    assert set(found["crease_curve"].tolist()) == {1}
 
 
 def test_patches_on_either_side_become_one(mesh):
