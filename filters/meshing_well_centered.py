@@ -16,7 +16,9 @@ from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
+from wct_plugin.finer import Finer
 from wct_plugin.goals import DUAL, misses
+from wct_plugin.listener import Listener
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
 from wct_plugin.reasons import facets
@@ -25,7 +27,7 @@ from wct_plugin.reference_choice import choose
 from wct_plugin.released import released
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
-from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 from wct_plugin.starts import Start
 from wct_plugin.surface import find_rows, pinched, strata, surface_edges
 from wct_plugin.transfer import carry, resampled
@@ -39,9 +41,12 @@ Ints = NDArray[np.int64]
 #: Sweeps and tries at effort 1.
 _PASSES = 12
 _KICKS = 4000
+#: How often a start is made anew with shorter edges where the search was stuck.
+_FINER = 2
 #: What a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond), where the surface or its
-#: vertices stay and nobody knows whether there is one; more where flips of the surface can help too.
-_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": np.inf}
+#: vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where another
+#: start, with shorter edges, may take less.
+_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 12_000.0}
 
 
 class MeshingOptions(Options):
@@ -103,6 +108,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
 
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
+    Where that is stuck, it starts again with shorter edges there, twice at most.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Planes, straight creases and corners at them are kept exactly, but for those smaller than 28 tolerances and 3 % of
     the diagonal: these move within the tolerance, as all that is curved does. Of the other creases, those that their
@@ -170,7 +176,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
-        listen = _Listener(progress, self._bad(mesh, measured))
+        listen = Listener(progress, self._bad(mesh, measured))
         start = None
         if not moves:
             start = self._pinned_start(mesh, own, wanted, listen)
@@ -181,7 +187,11 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             start = starts.from_mesh(mesh, own, pinned=False)
             if wanted is not None:
                 start["size"] = wanted
-        found = self._search(mesh, start, reference, held, listen)
+            found = self._search(mesh, start, reference, held, listen)
+        elif moves:
+            found = self._search_finer(mesh, start, reference, held, wanted, listen)
+        else:
+            found = self._search(mesh, start, reference, held, listen, _WORTH[options.boundary] * options.effort)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
@@ -190,7 +200,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work: Metrics = {name: found[name] for name in ("passes", "kicks", "evaluations", "stopped")}
+        work: Metrics = {name: found[name] for name in ("passes", "kicks", "evaluations")}
+        work["stopped"] = listen.stopped
         work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
         return _Found(better, after, tolerance, work)
 
@@ -209,7 +220,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         tolerance = (options.tolerance or own.auto_tolerance()) * (surface or mesh).diagonal
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
-        listen = _Listener(progress, bad)
+        listen = Listener(progress, bad)
         if bad and not listen.stopped:
             asked: _Asked = {
                 "one_sided": options.goal == "one-sided",
@@ -253,7 +264,13 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
     def _search(
-        self, mesh: TetMesh, start: Start, reference: Reference, tolerance: float, listen: "_Listener"
+        self,
+        mesh: TetMesh,
+        start: Start,
+        reference: Reference,
+        tolerance: float,
+        listen: Listener,
+        worth: float = np.inf,
     ) -> "SearchedArrays":
         options = self.options
         fixed = options.boundary == "fixed"
@@ -262,7 +279,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             **start,
             ruled_out=facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
             loose=reference.strata.soft_curves if options.boundary == "move" else None,
-            worth=_WORTH[options.boundary] * options.effort,
+            worth=worth,
             surface_points=reference.points,
             surface_triangles=reference.strata.triangles,
             surface_patch=reference.strata.patch,
@@ -279,8 +296,43 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             progress=listen.search,
         )
 
+    def _search_finer(
+        self,
+        mesh: TetMesh,
+        start: Start,
+        reference: Reference,
+        tolerance: float,
+        size: Floats | None,
+        listen: Listener,
+    ) -> "SearchedArrays":
+        """What the search makes of a resampled start, or of one that is finer where it was stuck before."""
+        worth = _WORTH["move"] * self.options.effort
+        best = found = self._search(mesh, start, reference, tolerance, listen, worth)
+        finer = Finer.nowhere()
+        for left in reversed(range(_FINER)):
+            if best["bad"] == 0 or listen.stopped:
+                break
+            made = TetMesh(found["points"], found["tets"])
+            stuck = misses(made, quality.measure(made), self.options.goal)
+            finer = finer.about(made.points[made.tets[stuck]])
+            again = self._resample(mesh, reference, tolerance, size, listen, finer)
+            last = left == 0 or again is None
+            start = start if again is None else again
+            found = self._search(mesh, start, reference, tolerance, listen, np.inf if last else worth)
+            if found["bad"] < best["bad"]:
+                best = found
+            if last:
+                break
+        return best
+
     def _resample(
-        self, mesh: TetMesh, reference: Reference, tolerance: float, size: Floats | None, listen: "_Listener"
+        self,
+        mesh: TetMesh,
+        reference: Reference,
+        tolerance: float,
+        size: Floats | None,
+        listen: Listener,
+        finer: Finer | None = None,
     ) -> Start | None:
         """The relaxed lattice start, or None where it does not represent the domain."""
         options = self.options
@@ -297,6 +349,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             np.searchsorted(reference.regions, mesh.regions),
             tolerance,
             size=size,
+            finer_at=finer.at if finer else None,
+            finer_size=finer.size if finer else None,
             cosines=options.goal == "cwc",
             seed=options.seed + 1,
             progress=listen.resample,
@@ -322,7 +376,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "crease_curve": found["crease_curve"],
         }
 
-    def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: "_Listener") -> Start:
+    def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
         """The mesh, or its inside filled anew: whichever has the smaller share of bad tets."""
         start = starts.from_mesh(mesh, own, pinned=True)
         if size is not None:
@@ -370,36 +424,3 @@ def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
     if isinstance(surface, TetMesh):
         raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
     return surface
-
-
-class _Listener:
-    """Passes the core's progress on under one name per phase, with the bad tets of the best mesh so far."""
-
-    def __init__(self, progress: ProgressCallback, bad: int) -> None:
-        self._progress = progress
-        self._bad = bad
-        self.stopped = not self._tell("resampling", 0.0)
-
-    def _tell(self, stage: str, done: float) -> bool:
-        return self._progress(Progress(stage, done, self._bad)) is not False
-
-    def resample(self, done: float, bad: int) -> bool:
-        """Until the search takes the new mesh over, the best so far is the input."""
-        self.stopped = self.stopped or not self._tell("resampling", done)
-        return not self.stopped
-
-    def conform(self, done: float, bad: int) -> bool:
-        self._bad = bad
-        self.stopped = self.stopped or not self._tell("conforming", done)
-        return not self.stopped
-
-    def search(self, phase: str, done: float, bad: int) -> bool:
-        if phase != "margin":  # there, all that can meet the goal do
-            self._bad = bad
-        stage = f"local search: margin, {bad} tets short of it" if phase == "margin" else f"local search: {phase}"
-        self.stopped = self.stopped or not self._tell(stage, done)
-        return not self.stopped
-
-    def measure(self, bad: int) -> None:
-        self._bad = bad
-        self._tell("measuring", 1.0)

@@ -216,6 +216,8 @@ def resample(
     region: NDArray[np.int64],
     tolerance: float,
     size: NDArray[np.float64] | None = None,
+    finer_at: NDArray[np.float64] | None = None,
+    finer_size: NDArray[np.float64] | None = None,
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
@@ -228,8 +230,9 @@ def resample(
     ``curve`` (s,), ``corners`` (c,), ``sides`` (patches, 2): the region behind a patch's triangles and the one before,
     -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
     ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
-    point, else the mesh's own local one. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges
-    beside a gap outside may be, in widths of the gap.
+    point, else the mesh's own local one. ``finer_at`` (k, 3), ``finer_size`` (k,): edges are no longer than this round
+    these places. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may
+    be, in widths of the gap.
 
     The label of a corner is its surface point. The same input and seed give the same bits.
     """

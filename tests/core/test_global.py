@@ -218,6 +218,29 @@ def test_facets_keep_the_tolerance_of_a_coarsely_faceted_surface():
     assert volumes(result["points"], result["tets"]).sum() == pytest.approx(volumes(points, tets).sum(), rel=5e-3)
 
 
+def test_edges_are_shorter_round_places_where_they_are_to_be():
+    points, tets = box(4)
+    region = np.zeros(len(tets), dtype=np.int64)
+    given = {"points": points, "tets": tets, "region": region, "tolerance": 1e-3}
+    place, size = np.array([[1.0, 0.5, 0.5]]), np.array([0.1])
+    plain = _core.resample(**cube_surface(), **given)
+    finer = _core.resample(**cube_surface(), **given, finer_at=place, finer_size=size)
+    assert finer["intact"]
+
+    def edges(mesh, near):
+        ends = mesh["points"][mesh["tets"][:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]]]
+        here = (np.linalg.norm(ends.mean(axis=(1, 2)) - place, axis=1) < 0.2) == near
+        return np.linalg.norm(ends[here, :, 0] - ends[here, :, 1], axis=-1).mean()
+
+    assert edges(plain, near=True) > 0.2
+    assert edges(finer, near=True) < 1.25 * size[0]
+    assert edges(finer, near=False) > 1.2 * size[0]
+    with pytest.raises(ValueError, match="finer_at and finer_size go together"):
+        _core.resample(**cube_surface(), **given, finer_at=place)
+    with pytest.raises(ValueError, match="finer_size"):
+        _core.resample(**cube_surface(), **given, finer_at=place, finer_size=np.array([0.0]))
+
+
 def test_same_input_same_bits():
     points, tets = box(4)
     region = np.zeros(len(tets), dtype=np.int64)

@@ -6,7 +6,17 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
-from builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape, rotation, sphere_surface, two_region_cube
+from builders import (
+    ball,
+    cylinder,
+    jittered_cube,
+    kuhn_cube,
+    kuhn_grid,
+    l_shape,
+    rotation,
+    sphere_surface,
+    two_region_cube,
+)
 
 from wct_plugin import _core, apply_filter, quality
 from wct_plugin.deviation import deviation
@@ -444,3 +454,16 @@ def test_a_coarse_notch_keeps_its_planes():
     check_domain(mesh, better)
     assert region_volumes(better)[0] == pytest.approx(region_volumes(mesh)[0], rel=1e-12)
     assert quality.measure(better).completely_well_centered.all()
+
+
+def test_where_the_search_is_stuck_it_starts_again_with_shorter_edges():
+    """A fin as thick as its edges are long: its corners and foot leave them no place."""
+    grid = kuhn_grid((5, 4, 4), lambda centers: (centers[:, 2] < 1) | (np.abs(centers[:, 0] - 2.5) < 0.6))
+    mesh = TetMesh(grid.points, grid.tets)  # without the grid's other points
+    better, metrics = run(mesh)
+    assert metrics["bad"] == 0
+    check_domain(mesh, better)
+    apart = deviation(better.boundary_surface(), mesh.boundary_surface())
+    assert apart.max < 1e-12
+    assert quality.volumes(better.points, better.tets).sum() == pytest.approx(32.0, rel=1e-12)
+    assert len(better.tets) > 4 * len(mesh.tets)

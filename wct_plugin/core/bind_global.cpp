@@ -176,10 +176,25 @@ void trim() {
 #endif
 }
 
+/// Places where edges are to be shorter.
+std::vector<SizeLimit> limits_of(const std::optional<Array> &at, const std::optional<Array> &size) {
+    std::vector<SizeLimit> limits;
+    if (at.has_value() != size.has_value())
+        refuse("finer_at and finer_size go together");
+    if (!at)
+        return limits;
+    const std::vector<Vec3> places = points_of(*at, "finer_at");
+    const std::vector<double> sizes = sizes_of(*size, places.size(), "finer_size");
+    for (std::size_t k = 0; k < places.size(); ++k)
+        limits.push_back({places[k], sizes[k]});
+    return limits;
+}
+
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         bool cosines, std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
+                         const std::optional<Array> &finer_at, const std::optional<Array> &finer_size, bool cosines,
+                         std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
     trim();
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
@@ -198,6 +213,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     GlobalForm form;
     form.sizing.gap = gap;
     form.sizing.tolerance = tolerance;
+    form.sizing.limits = limits_of(finer_at, finer_size);
     form.cosines = cosines;
     form.seed = seed;
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
@@ -221,9 +237,9 @@ void bind_global(nb::module_ &m) {
     m.def(
         "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
         nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
-        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("cosines") = true,
-        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap,
-        nb::arg("threads") = 0,
+        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("finer_at") = nb::none(),
+        nb::arg("finer_size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
+        nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap, nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -231,7 +247,8 @@ void bind_global(nb::module_ &m) {
         "outside.\n"
         "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
         "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
-        "one. progress(done, bad) returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
+        "one. finer_at (k, 3), finer_size (k,): edges are no longer than this round these places. progress(done, bad) "
+        "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap.\n\n"
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"
         "buried there, 1 patch, 2 crease, 3 corner),\n"

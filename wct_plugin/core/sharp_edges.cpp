@@ -12,7 +12,8 @@ constexpr double kSharp = 1.0471975511965976; // 60 degrees
 
 } // namespace
 
-SharpEdges::SharpEdges(const Reference &reference) : reference_(reference), curves_(reference.curves().size(), 0) {
+SharpEdges::SharpEdges(const Reference &reference, bool outside)
+    : reference_(reference), curves_(reference.curves().size(), 0) {
     const auto &data = reference.data();
     std::map<std::array<int, 2>, std::vector<int>> around; // crease edge -> triangles
     for (const auto &[v, w] : data.segments)
@@ -36,7 +37,7 @@ SharpEdges::SharpEdges(const Reference &reference) : reference_(reference), curv
                 apex = u;
         const bool ridge = dot(data.points[apex] - data.points[v], n) < 0.0;
         const double inside = 3.141592653589793 - angle(n, m); // on the side where it is less than half a turn
-        if (inside >= kSharp || inside <= 0.0 || data.sides[data.patch[own[0]]][ridge ? 0 : 1] < 0)
+        if (inside >= kSharp || inside <= 0.0 || (data.sides[data.patch[own[0]]][ridge ? 0 : 1] < 0) != outside)
             continue;
         edges_.push_back({{v, w}, {own[0], own[1]}, 2.0 * std::sin(0.5 * inside)});
         curves_[data.curve[s]] = 1;

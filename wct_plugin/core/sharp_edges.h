@@ -21,7 +21,8 @@ struct SharpFoot {
 /// the region is as thick as the edges along it are long: between them and the crease there is to be none.
 class SharpEdges {
   public:
-    explicit SharpEdges(const Reference &reference);
+    /// `outside`: those where it is no region that is so narrow, but what is outside of all.
+    explicit SharpEdges(const Reference &reference, bool outside = false);
 
     bool empty() const { return edges_.empty(); }
     /// The nearest point of one that is nearer than `most`.

@@ -59,8 +59,9 @@ double unit_sag(double k1, double k2) {
 
 Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
                std::span<const double> wanted, const Workers &workers)
-    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference) {
+    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true) {
     make_input_sizes(wanted);
+    limit_by_places();
     const auto &points = reference.data().points;
     limit_.resize(points.size());
     workers.for_each(points.size(), 512, [&](std::size_t v) { limit_[v] = form.coarsen * input_size(points[v]); });
@@ -130,6 +131,21 @@ void Sizing::make_input_sizes(std::span<const double> wanted) {
     }
 }
 
+void Sizing::limit_by_places() {
+    constexpr double reach = 2.0; // in sizes, as far as they do not grow
+    if (form_.limits.empty())
+        return;
+    uniform_ = false;
+    for (std::size_t v = 0; v < input_.size(); ++v)
+        for (const SizeLimit &limit : form_.limits) {
+            const double beyond = std::max(0.0, norm(mesh_.points[v] - limit.at) - reach * limit.size);
+            input_[v] = std::min(input_[v], limit.size + form_.inner_grade * beyond);
+        }
+    for (const auto &tet : mesh_.tets)
+        for (const int v : tet)
+            smallest_ = std::min(smallest_, input_[v]);
+}
+
 void Sizing::limit_by_curvature() {
     const auto lower = [&](int vertex, double sag) {
         if (sag > 0.0)
@@ -192,6 +208,14 @@ void Sizing::limit_by_creases() {
     }
 }
 
+bool Sizing::notched(const Vec3 &p, double gap) const {
+    constexpr double narrowest = 0.44; // 2 sin(half the angle), 25 degrees
+    constexpr double slack = 1.5;
+    const SharpFoot foot = notches_.nearest(p, slack * gap / narrowest);
+    return foot.edge >= 0 && notches_.narrow(foot.edge) > narrowest &&
+           slack * gap > notches_.narrow(foot.edge) * foot.distance;
+}
+
 double Sizing::thickness_at(int triangle) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
@@ -214,7 +238,8 @@ double Sizing::thickness_at(int triangle) const {
             const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
             int hit = -1;
             const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
-            const bool opposite = hit >= 0 && dot(reference_.normal(hit), n) < -0.5;
+            const bool opposite =
+                hit >= 0 && dot(reference_.normal(hit), n) < -0.5 && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
         }
         std::nth_element(hits.begin(), hits.begin() + 3, hits.end());

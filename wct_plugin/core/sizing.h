@@ -10,12 +10,19 @@
 
 namespace wct {
 
+/// The edge length is to be no more than this round a place, and to grow from there.
+struct SizeLimit {
+    Vec3 at;
+    double size;
+};
+
 struct SizingForm {
     double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
     double thickness = 0.8; // size per local thickness
     double gap = 1.0;       // size per distance to the other side of a gap outside
     bool sharp = true;      // shorter edges along sharp edges
     double coarsen = 1.0;   // how far inside sizes may exceed the input's own
+    std::vector<SizeLimit> limits;
 
     static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
     /// Gap, and crease, that is told apart by sizes, in tolerances: in folds gaps go to nothing.
@@ -59,6 +66,7 @@ class Sizing {
 
   private:
     void make_input_sizes(std::span<const double> wanted);
+    void limit_by_places();
     void limit_by_curvature();
     /// Where a patch bends between two large triangles, curvature, which is smoothed, says too little: no facet may cut
     /// across the edge so far from its end that it is too deep there.
@@ -71,12 +79,15 @@ class Sizing {
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
     double thickness_at(int triangle) const;
+    /// Whether a gap outside is no wider only since its sides meet near p: facets there do not reach across.
+    bool notched(const Vec3 &p, double gap) const;
 
     const Reference &reference_;
     const InputMesh &mesh_;
     const RegionMap &map_;
     SizingForm form_;
     SharpEdges sharp_;
+    SharpEdges notches_;        // the same of what is outside
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;

@@ -1,0 +1,30 @@
+"""Where a search is stuck: places at which the next start has shorter edges."""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+#: Edges there, as a share of those of the tets that are stuck.
+_SHARE = 0.8
+
+
+class Finer(NamedTuple):
+    """Edges are no longer than ``size`` (k,) round the places ``at`` (k, 3)."""
+
+    at: Floats
+    size: Floats
+
+    @classmethod
+    def nowhere(cls) -> Self:
+        """No place."""
+        return cls(np.empty((0, 3)), np.empty(0))
+
+    def about(self, corners: Floats) -> "Finer":
+        """These places and the middles of tets, whose ``corners`` (n, 4, 3) are too far apart to come right."""
+        edges = corners[:, [0, 0, 0, 1, 1, 2]] - corners[:, [1, 2, 3, 2, 3, 3]]
+        size = _SHARE * np.linalg.norm(edges, axis=2).mean(axis=1)
+        return Finer(np.vstack([self.at, corners.mean(axis=1)]), np.concatenate([self.size, size]))
