@@ -46,7 +46,7 @@ _FINER = 2
 #: What a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond), where the surface or its
 #: vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where another
 #: start, with shorter edges, may take less.
-_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 12_000.0}
+_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 30_000.0}
 
 
 class MeshingOptions(Options):
