@@ -162,7 +162,8 @@ void Reference::find_planes() {
         Vec3 center;
         double area = 0.0;
         for (const int t : patch_trees_[p].triangles) {
-            normal += areas_[t] * normals_[t];
+            // Triangles of a wall between regions, or inside one, may run either way.
+            normal += (dot(normals_[t], normal) < 0.0 ? -areas_[t] : areas_[t]) * normals_[t];
             area += areas_[t];
             for (const int v : data_.triangles[t])
                 center += (areas_[t] / 3.0) * data_.points[v];
@@ -173,7 +174,7 @@ void Reference::find_planes() {
         plane_point_[p] = (1.0 / area) * center;
         bool flat = true;
         for (const int t : patch_trees_[p].triangles) {
-            flat = flat && (areas_[t] == 0.0 || dot(normals_[t], plane_normal_[p]) > 0.9);
+            flat = flat && (areas_[t] == 0.0 || std::fabs(dot(normals_[t], plane_normal_[p])) > 0.9);
             for (const int v : data_.triangles[t])
                 flat = flat && std::fabs(dot(data_.points[v] - plane_point_[p], plane_normal_[p])) < kFlat * diagonal_;
         }
