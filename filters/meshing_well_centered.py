@@ -13,6 +13,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from wct_plugin import _core, conforming, edge_length, quality, scaling, starts
 from wct_plugin.adapters import meshio
+from wct_plugin.deviation import deviation
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
@@ -308,6 +309,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         """What the search makes of a resampled start, or of one that is finer where it was stuck before."""
         worth = _WORTH["move"] * self.options.effort
         best = found = self._search(mesh, start, reference, tolerance, listen, worth)
+        surface = SurfaceMesh(reference.points, reference.strata.triangles)
         finer = Finer.nowhere()
         for left in reversed(range(_FINER)):
             if best["bad"] == 0 or listen.stopped:
@@ -319,9 +321,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             last = left == 0 or again is None
             start = start if again is None else again
             found = self._search(mesh, start, reference, tolerance, listen, np.inf if last else worth)
-            if found["bad"] < best["bad"]:
+            off = deviation(SurfaceMesh(found["points"], found["facets"]), surface).max
+            if found["bad"] < best["bad"] and off <= tolerance:
                 best = found
-            if last:
+            if last or found["bad"] == 0:
                 break
         return best
 
