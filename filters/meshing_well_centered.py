@@ -321,6 +321,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             last = left == 0 or again is None
             start = start if again is None else again
             found = self._search(mesh, start, reference, tolerance, listen, np.inf if last else worth)
+            # Planar facets are not watched in the search: one may end across two planes.
             off = deviation(SurfaceMesh(found["points"], found["facets"]), surface).max
             if found["bad"] < best["bad"] and off <= tolerance:
                 best = found

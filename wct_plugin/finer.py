@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 #: Edges there, as a share of those of the tets that are stuck.
 _SHARE = 0.8
