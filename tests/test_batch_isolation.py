@@ -96,6 +96,7 @@ def test_every_way_to_break_costs_one_file(tmp_path, monkeypatch):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: wct_breaker\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[wct_plugin.filters]\nmeshing_breaker = wct_breaker:Breaker\n")
     monkeypatch.syspath_prepend(str(site))
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # the last words are heard without it
     monkeypatch.chdir(tmp_path)
     for name in CAUSES:
         wct.write(f"{name}.vtu", kuhn_cube(1))

@@ -12,6 +12,7 @@ word. The resident memory of a whole session is what fills a machine.
 """
 
 import contextlib
+import io
 import json
 import os
 import selectors
@@ -123,6 +124,8 @@ class Server:
             os.dup2(nothing.fileno(), 0)
             os.dup2(words.fileno(), 1)
             os.dup2(words.fileno(), 2)
+        if isinstance(sys.stdout, io.TextIOWrapper):  # what it says last is heard even if it leaves by os._exit
+            sys.stdout.reconfigure(line_buffering=True)
         return perform(job, attempt)
 
     def _patience(self) -> float | None:
