@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from builders import ball, kuhn_cube, l_shape
+from builders import ball, kuhn_cube, kuhn_grid, l_shape
 from core_meshes import FACETS, start
 from scipy.spatial import cKDTree
 
@@ -395,6 +395,23 @@ def test_edges_are_no_longer_than_the_creases_they_meet():
     assert away.max() < 1e-12
     touching = ends[np.isin(ends, at).any(axis=1)]
     assert np.linalg.norm(points[touching[:, 0]] - points[touching[:, 1]], axis=1).max() < 2 * height
+
+
+def test_creases_have_no_gaps_where_sizes_change():
+    """Points of a patch come to lie on its creases there; left on them, they take the crease's edge away."""
+    grid = kuhn_grid((5, 4, 4), lambda centers: (centers[:, 2] < 1) | (np.abs(centers[:, 0] - 2.5) < 0.6))
+    mesh = TetMesh(grid.points, grid.tets)
+    own = own_boundary(mesh, 40.0)
+    rng = np.random.default_rng(5)
+    for seed in range(1, 31):
+        places = rng.uniform(0.0, (5.0, 4.0, 4.0), (rng.integers(2, 8), 3))
+        found = start(mesh, own, finer_at=places, finer_size=np.full(len(places), rng.uniform(0.2, 0.6)), seed=seed)
+        assert found["intact"]
+        ends = np.bincount(found["creases"].ravel(), minlength=len(found["points"]))
+        assert (ends[found["stratum"] == 2] == 2).all()
+        assert ends[found["stratum"] == 3].tolist() == [3] * len(own.corners)
+        on_patch = found["stratum"][found["facets"]] == 1
+        assert ((found["label"][found["facets"]] == found["facet_patch"][:, None]) | ~on_patch).all()
 
 
 def test_what_a_fold_of_the_surface_buries_is_interior():

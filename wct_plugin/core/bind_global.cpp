@@ -255,7 +255,8 @@ void bind_global(nb::module_ &m) {
         "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
         "where\n"
         "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
-        "across from one planar patch to another, and the Euler characteristic of every region is as in the mesh;\n"
+        "across from one planar patch to another, the creases of those have no gaps, and the Euler characteristic of\n"
+        "every region is as in the mesh;\n"
         "stats. The same input and seed give the same bits.");
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
           nb::arg("threads") = 0,

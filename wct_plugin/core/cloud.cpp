@@ -181,4 +181,12 @@ bool PointGrid::crowded(const Vec3 &p, double radius) const {
     return false;
 }
 
+PointGrid surface_grid(const Cloud &cloud, double share) {
+    PointGrid grid;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] != Stratum::interior)
+            grid.add(cloud.points[i], share * cloud.size[i]);
+    return grid;
+}
+
 } // namespace wct

@@ -70,4 +70,7 @@ class PointGrid {
     std::vector<Level> levels_; // ascending cells
 };
 
+/// The surface's points, each with this share of its size for radius.
+PointGrid surface_grid(const Cloud &cloud, double share);
+
 } // namespace wct

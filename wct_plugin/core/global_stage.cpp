@@ -1,6 +1,8 @@
 #include "global_stage.h"
 
+#include "crease_recovery.h"
 #include "euler.h"
+#include "kept_extent.h"
 #include "pinches.h"
 #include "relax.h"
 #include "sharp_clearance.h"
@@ -158,7 +160,8 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
     return lost;
 }
 
-/// Shrink sizes at points where facets are too large: sheets touched each other, or facets cut across.
+/// Shrink sizes at points where facets are too large: sheets touched each other, facets cut across, or creases have
+/// gaps.
 void refine(const Cloud &cloud, const std::vector<int> &touched, const Reference &reference, Sizing &sizing) {
     constexpr double share = 0.6;
     for (const int i : touched) {
@@ -191,6 +194,33 @@ std::vector<int> across_planes(const Cloud &cloud, const Complex &complex, const
             off(facet))
             corners.insert(corners.end(), facet.begin(), facet.end());
     return corners;
+}
+
+/// Ends of crease edges that are missing beside planes that are kept exactly. Vertices are kept there by their labels,
+/// and facets by the creases between them: past a gap, facets would get from one plane to the next.
+std::vector<int> open_creases(const Cloud &cloud, const Complex &complex, const Reference &reference,
+                              double tolerance) {
+    const SurfaceData &surface = reference.data();
+    const std::vector<CreaseGap> gaps = crease_gaps(cloud, reference, complex);
+    std::map<int, Box> planes; // beside gaps
+    for (const CreaseGap &gap : gaps)
+        for (const int p : reference.patches_at_curve(gap.curve))
+            if (reference.planar(p))
+                planes.try_emplace(p);
+    if (planes.empty())
+        return {};
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+        if (const auto plane = planes.find(surface.patch[t]); plane != planes.end())
+            for (const int v : surface.triangles[t])
+                plane->second.add(surface.points[v]);
+    const double kept = kept_extent(surface.points, tolerance);
+    std::vector<int> ends;
+    for (const CreaseGap &gap : gaps)
+        for (const int p : reference.patches_at_curve(gap.curve))
+            if (const auto plane = planes.find(p);
+                plane != planes.end() && norm(plane->second.hi - plane->second.lo) > kept)
+                ends.insert(ends.end(), {gap.first, gap.second});
+    return ends;
 }
 
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
@@ -326,6 +356,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const double tolerance = form.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const Complex &complex, const Flaws &flaws) {
         return lost_points(cloud, flaws).empty() && across_planes(cloud, complex, reference, tolerance).empty() &&
+               open_creases(cloud, complex, reference, tolerance).empty() &&
                euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
@@ -372,7 +403,9 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     Start best = run();
     for (int attempt = 0; attempt < form.attempts && !best.intact && !monitor.stopped(); ++attempt) {
         const std::vector<int> cut = across_planes(best.cloud, best.complex, reference, tolerance);
+        const std::vector<int> open = open_creases(best.cloud, best.complex, reference, tolerance);
         best.touched.insert(best.touched.end(), cut.begin(), cut.end());
+        best.touched.insert(best.touched.end(), open.begin(), open.end());
         refine(best.cloud, best.touched, reference, sizing);
         Start next = run();
         if (next.intact || next.tally.bad + next.off < best.tally.bad + best.off)

@@ -63,7 +63,9 @@ struct GlobalResult {
     Flaws flaws;
     Tally tally;
     Deviation deviation;
-    bool intact = false; // no flaws but at corners, no facet far across planes, and the domain's Euler characteristics
+    /// No flaws but at corners, no facet far across planes, no gap in their creases, the domain's Euler
+    /// characteristics.
+    bool intact = false;
     bool stopped = false;
     std::vector<std::pair<std::string, double>> stats;
 };

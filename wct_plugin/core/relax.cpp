@@ -1,7 +1,5 @@
 #include "relax.h"
 
-#include "curve_chains.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -25,18 +23,6 @@ struct Mean {
         weight += w;
     }
 };
-
-/// The surface's points, each with this share of its size for radius.
-PointGrid surface_grid(const Cloud &cloud, double share) {
-    PointGrid grid;
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        if (cloud.role[i] != Stratum::interior)
-            grid.add(cloud.points[i], share * cloud.size[i]);
-    return grid;
-}
-
-/// Crease points are not put closer than half of this, in sizes.
-constexpr double kClosest = 0.5;
 
 } // namespace
 
@@ -143,39 +129,6 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
     }
     cloud.keep(keep);
     return changes;
-}
-
-int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex, const Workers &workers) {
-    const auto chains = curve_chains(cloud, reference);
-    const auto edges = surface_edges(complex);
-    PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
-    int added = 0;
-    for (std::size_t c = 0; c < chains.size(); ++c) {
-        const Curve &curve = reference.curves()[c];
-        const auto &chain = chains[c];
-        for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
-            const int v = chain[k].point, w = chain[k + 1].point;
-            if (v == w || std::binary_search(edges.begin(), edges.end(), std::array{std::min(v, w), std::max(v, w)}))
-                continue;
-            const double size = 0.5 * (cloud.size[v] + cloud.size[w]);
-            if (norm(cloud.points[v] - cloud.points[w]) < kClosest * size)
-                continue; // splitting again and again would not help
-            // Half-way along the curve: half-way between the points may be nearer to some other part of it.
-            const double at = 0.5 * (chain[k].at + chain[k + 1].at);
-            const int step = static_cast<int>(at);
-            const double along = at - step;
-            const Vec3 middle = (1.0 - along) * reference.data().points[curve.at(step)] +
-                                along * reference.data().points[curve.at(step + 1)];
-            if (grid.crowded(middle, 0.4 * kClosest * size))
-                continue;
-            grid.add(middle, 0.4 * kClosest * size);
-            cloud.add(middle, Stratum::crease, static_cast<int>(c), size);
-            ++added;
-        }
-    }
-    if (added)
-        retract(cloud, reference, workers);
-    return added;
 }
 
 } // namespace wct

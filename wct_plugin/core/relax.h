@@ -15,8 +15,4 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
 /// and one end of edges shorter than `shortest` goes. Returns the number of changes.
 int mend(Cloud &cloud, const Reference &reference, const Complex &complex, double longest, double shortest);
 
-/// Creases must be edges of the mesh: where two points that follow one another on a curve are not joined, their middle
-/// becomes a point too. Returns the number of points added.
-int recover_creases(Cloud &cloud, const Reference &reference, const Complex &complex, const Workers &workers);
-
 } // namespace wct

@@ -1,6 +1,6 @@
 #include "surface_guide.h"
 
-#include "bvh.h"
+#include "kept_extent.h"
 #include "near_along.h"
 
 #include <algorithm>
@@ -12,11 +12,6 @@ namespace wct {
 
 namespace {
 constexpr double kFlat = 1e-9; // of the patch's extent: what counts as planar or straight
-
-/// Planes and lines from this extent on are kept: in tolerances, as smaller ones may turn by two degrees in the
-/// tolerance, or as a share of the whole surface's, so that a generous tolerance leaves those that make its shape.
-constexpr double kKept = 28.0;
-constexpr double kShape = 0.03;
 
 // Shares of the tolerance. Vertices of curved patches stay in a shell; edges are held all along, so they get nearly all
 // of it; the inside of facets is held at a few points only.
@@ -51,10 +46,7 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
 } // namespace
 
 SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {
-    Box box;
-    for (const Vec3 &p : surface.points)
-        box.add(p);
-    kept_ = std::min(kKept * tolerance, kShape * norm(box.hi - box.lo));
+    kept_ = kept_extent(surface.points, tolerance);
     make_patches(surface);
     make_curves(surface);
     make_corners(surface);
