@@ -13,7 +13,6 @@ from pydantic.json_schema import SkipJsonSchema
 
 from wct_plugin import _core, conforming, edge_length, quality, scaling, starts
 from wct_plugin.adapters import meshio
-from wct_plugin.deviation import deviation
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
@@ -43,11 +42,11 @@ Ints = NDArray[np.int64]
 _PASSES = 12
 _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
-_FINER = 2
-#: What a mesh without bad tets is worth, in evaluations per tet (17 take a microsecond), where the surface or its
-#: vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where another
-#: start, with shorter edges, may take less.
-_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 30_000.0}
+_FINER = 5
+#: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
+#: its vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where
+#: another start, with shorter edges, takes less: most that come right have come so by then.
+_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 5_000.0}
 
 
 class MeshingOptions(Options):
@@ -109,7 +108,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
 
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
-    Where that is stuck, it starts again with shorter edges there, twice at most.
+    Where that is stuck, it starts again with shorter edges there, five times at most.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Planes, straight creases and corners at them are kept exactly, but for those smaller than 28 tolerances and 3 % of
     the diagonal: these move within the tolerance, as all that is curved does. Of the other creases, those that their
@@ -178,21 +177,21 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
         listen = Listener(progress, self._bad(mesh, measured))
-        start = None
-        if not moves:
-            start = self._pinned_start(mesh, own, wanted, listen)
-        elif not _has_sheets(mesh, own) and not _has_wires(mesh, own):
-            start = self._resample(mesh, reference, held, wanted, listen)
-        if start is None or (moves and listen.stopped):
+        fresh = None
+        if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
+            fresh = self._resample(mesh, reference, held, wanted, listen)
+        if fresh is not None and not listen.stopped:
+            tried = self._search_finer(mesh, fresh, reference, held, wanted, listen)
+        elif moves:
             reference = own
             start = starts.from_mesh(mesh, own, pinned=False)
             if wanted is not None:
                 start["size"] = wanted
-            found = self._search(mesh, start, reference, held, listen)
-        elif moves:
-            found = self._search_finer(mesh, start, reference, held, wanted, listen)
+            tried = [self._search(mesh, start, own, held, listen)]
         else:
-            found = self._search(mesh, start, reference, held, listen, _WORTH[options.boundary] * options.effort)
+            start = self._pinned_start(mesh, own, wanted, listen)
+            tried = [self._search(mesh, start, own, held, listen, _WORTH[options.boundary] * options.effort)]
+        found = min(tried, key=lambda one: one["bad"])
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
@@ -201,7 +200,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work: Metrics = {name: found[name] for name in ("passes", "kicks", "evaluations")}
+        work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         work["stopped"] = listen.stopped
         work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
         return _Found(better, after, tolerance, work)
@@ -305,29 +304,22 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         tolerance: float,
         size: Floats | None,
         listen: Listener,
-    ) -> "SearchedArrays":
-        """What the search makes of a resampled start, or of one that is finer where it was stuck before."""
+    ) -> "list[SearchedArrays]":
+        """What the search makes of a resampled start, and of others that are finer where it was stuck before."""
+        tried, finer = [], Finer.nowhere()
         worth = _WORTH["move"] * self.options.effort
-        best = found = self._search(mesh, start, reference, tolerance, listen, worth)
-        surface = SurfaceMesh(reference.points, reference.strata.triangles)
-        finer = Finer.nowhere()
-        for left in reversed(range(_FINER)):
-            if best["bad"] == 0 or listen.stopped:
-                break
+        while True:
+            found = self._search(mesh, start, reference, tolerance, listen, worth)
+            tried.append(found)
+            if found["bad"] == 0 or listen.stopped or worth == np.inf:
+                return tried
             made = TetMesh(found["points"], found["tets"])
             stuck = misses(made, quality.measure(made), self.options.goal)
             finer = finer.about(made.points[made.tets[stuck]])
             again = self._resample(mesh, reference, tolerance, size, listen, finer)
-            last = left == 0 or again is None
-            start = start if again is None else again
-            found = self._search(mesh, start, reference, tolerance, listen, np.inf if last else worth)
-            # Planar facets are not watched in the search: one may end across two planes.
-            off = deviation(SurfaceMesh(found["points"], found["facets"]), surface).max
-            if found["bad"] < best["bad"] and off <= tolerance:
-                best = found
-            if last or found["bad"] == 0:
-                break
-        return best
+            if again is None or len(tried) == _FINER:  # nothing else is left to try
+                worth = np.inf
+            start = again or start
 
     def _resample(
         self,

@@ -61,10 +61,10 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
                std::span<const double> wanted, const Workers &workers)
     : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true) {
     make_input_sizes(wanted);
-    limit_by_places();
     const auto &points = reference.data().points;
     limit_.resize(points.size());
     workers.for_each(points.size(), 512, [&](std::size_t v) { limit_[v] = form.coarsen * input_size(points[v]); });
+    limit_by_places(); // not of the surface's own sizes, which grow slower with the distance and over large triangles
     limit_by_thickness(workers);
     surface = limit_;
     limit_by_curvature();
