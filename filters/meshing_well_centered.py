@@ -313,9 +313,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             tried.append(found)
             if found["bad"] == 0 or listen.stopped or worth == np.inf:
                 return tried
-            made = TetMesh(found["points"], found["tets"])
-            stuck = misses(made, quality.measure(made), self.options.goal)
-            finer = finer.about(made.points[made.tets[stuck]])
+            finer = finer.about(found["points"][found["tets"][found["stuck"]]])
             again = self._resample(mesh, reference, tolerance, size, listen, finer)
             if again is None or len(tried) == _FINER:  # nothing else is left to try
                 worth = np.inf

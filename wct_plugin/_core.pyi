@@ -165,7 +165,9 @@ class SearchedArrays(SurfaceArrays):
     regions: NDArray[np.int64]
     """(m,) index of the region"""
     bad: int
-    """Tets that miss the goal."""
+    """Tets that miss the goal, or are at a facet beyond the tolerance."""
+    stuck: NDArray[np.int64]
+    """(bad,) which tets those are"""
     passes: int
     kicks: int
     accepted: int

@@ -86,6 +86,7 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, cons
     std::vector<int> place(complex.vertex_slots(), -1);
     std::vector<double> out_points;
     std::vector<std::int64_t> out_tets, out_regions, out_labels, out_facets, out_patches, out_creases, out_curves;
+    std::vector<std::int64_t> out_stuck;
     std::vector<std::int8_t> out_strata;
     for (std::size_t k = 0; k < complex.vertex_slots(); ++k) {
         const int v = static_cast<int>(k);
@@ -101,6 +102,8 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, cons
         const int t = static_cast<int>(k);
         if (!complex.alive(t))
             continue;
+        if (std::binary_search(outcome.stuck.begin(), outcome.stuck.end(), t))
+            out_stuck.push_back(static_cast<std::int64_t>(out_regions.size()));
         for (int v : complex.tet(t))
             out_tets.push_back(place[v]);
         out_regions.push_back(complex.region(t));
@@ -128,6 +131,7 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, cons
     result["creases"] = array_of<std::int64_t>(out_creases, 2);
     result["crease_curve"] = array_of<std::int64_t>(out_curves);
     result["bad"] = outcome.bad;
+    result["stuck"] = array_of<std::int64_t>(out_stuck);
     result["passes"] = outcome.passes;
     result["kicks"] = outcome.kicks;
     result["accepted"] = outcome.accepted;

@@ -37,6 +37,7 @@ SearchOutcome Releasing::run(const SearchOptions &options, const SearchProgress 
         Search search(complex_, guide, now);
         const SearchOutcome one = search.run(progress);
         sum.bad = one.bad;
+        sum.stuck = one.stuck;
         sum.passes += one.passes;
         sum.kicks += one.kicks;
         sum.accepted += one.accepted;
@@ -44,7 +45,7 @@ SearchOutcome Releasing::run(const SearchOptions &options, const SearchProgress 
         sum.stopped = one.stopped;
         if (one.bad == 0 || one.stopped || !more)
             return sum;
-        const std::vector<int> curves = near(search.bad_tets(), may);
+        const std::vector<int> curves = near(one.stuck, may);
         more = !curves.empty(); // else once more, with all patience
         if (more)
             release(curves);

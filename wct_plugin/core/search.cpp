@@ -186,7 +186,8 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     if (good || outcome_.stopped || !options_.hurry) // else more is to come
         SurfaceBalance(complex_, energy_, guide_, descent_).run();
     adopt(sharp_form(options_.acute));
-    outcome_.bad = count_bad();
+    outcome_.stuck = bad_tets();
+    outcome_.bad = static_cast<int>(outcome_.stuck.size());
     outcome_.evaluations = energy_.evaluations();
     return outcome_;
 }

@@ -23,6 +23,7 @@ struct SearchOptions {
 
 struct SearchOutcome {
     int bad = 0;
+    std::vector<int> stuck; // the bad tets of the complex, once the search has ended
     int passes = 0;
     long kicks = 0;
     long accepted = 0;
@@ -42,11 +43,11 @@ class Search {
     Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options);
 
     SearchOutcome run(const SearchProgress &progress);
-    /// Those that miss the goal, or are at a facet beyond the tolerance.
-    std::vector<int> bad_tets() const;
 
   private:
     void adopt(const SearchForm &form);
+    /// Those that miss the goal, or are at a facet beyond the tolerance.
+    std::vector<int> bad_tets() const;
     int count_bad() const { return static_cast<int>(bad_tets().size()); }
     void sweep(int recipe);
     /// How many kicks in vain to bear with this many bad tets left, and in a hurry.
