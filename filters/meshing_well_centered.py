@@ -179,7 +179,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         listen = Listener(progress, self._bad(mesh, measured))
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
-            fresh = self._resample(mesh, reference, held, wanted, listen)
+            fresh = self._resample(mesh, reference, held, wanted, listen, Finer.nowhere())
         if fresh is not None and not listen.stopped:
             tried = self._search_finer(mesh, fresh, reference, held, wanted, listen)
         elif moves:
@@ -326,7 +326,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         tolerance: float,
         size: Floats | None,
         listen: Listener,
-        finer: Finer | None = None,
+        finer: Finer,
     ) -> Start | None:
         """The relaxed lattice start, or None where it does not represent the domain."""
         options = self.options
@@ -343,8 +343,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             np.searchsorted(reference.regions, mesh.regions),
             tolerance,
             size=size,
-            finer_at=finer.at if finer else None,
-            finer_size=finer.size if finer else None,
+            finer_at=finer.at,
+            finer_size=finer.size,
             cosines=options.goal == "cwc",
             seed=options.seed + 1,
             progress=listen.resample,

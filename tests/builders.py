@@ -39,6 +39,12 @@ def kuhn_grid(shape: tuple[int, int, int], keep: Callable[[Floats], NDArray[np.b
     return TetMesh(points, _positive(points, tets))
 
 
+def fin() -> TetMesh:
+    """A slab of 5 x 4 unit cubes with a wall of 4 x 3 on it, one cube thick."""
+    grid = kuhn_grid((5, 4, 4), lambda centers: (centers[:, 2] < 1) | (np.abs(centers[:, 0] - 2.5) < 0.6))
+    return TetMesh(grid.points, grid.tets)  # without the grid's other points
+
+
 def kuhn_cube(n: int) -> TetMesh:
     """The unit cube in 6 n^3 tets."""
     grid = kuhn_grid((n, n, n))

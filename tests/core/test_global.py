@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from builders import ball, kuhn_cube, kuhn_grid, l_shape
+from builders import ball, fin, kuhn_cube, l_shape
 from core_meshes import FACETS, start
 from scipy.spatial import cKDTree
 
@@ -399,8 +399,7 @@ def test_edges_are_no_longer_than_the_creases_they_meet():
 
 def test_creases_have_no_gaps_where_sizes_change():
     """Points of a patch come to lie on its creases there; left on them, they take the crease's edge away."""
-    grid = kuhn_grid((5, 4, 4), lambda centers: (centers[:, 2] < 1) | (np.abs(centers[:, 0] - 2.5) < 0.6))
-    mesh = TetMesh(grid.points, grid.tets)
+    mesh = fin()
     own = own_boundary(mesh, 40.0)
     rng = np.random.default_rng(5)
     for seed in range(1, 31):

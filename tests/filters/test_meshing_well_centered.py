@@ -9,9 +9,9 @@ import pytest
 from builders import (
     ball,
     cylinder,
+    fin,
     jittered_cube,
     kuhn_cube,
-    kuhn_grid,
     l_shape,
     rotation,
     sphere_surface,
@@ -377,8 +377,7 @@ def test_a_coarse_notch_keeps_its_planes():
 
 def test_a_fin_as_thick_as_its_edges_are_long_gets_shorter_ones():
     """Its corners and foot leave those no place: the search is stuck, and starts again."""
-    grid = kuhn_grid((5, 4, 4), lambda centers: (centers[:, 2] < 1) | (np.abs(centers[:, 0] - 2.5) < 0.6))
-    mesh = TetMesh(grid.points, grid.tets)  # without the grid's other points
+    mesh = fin()
     better, metrics = run(mesh)
     check_domain(mesh, better)
     assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12

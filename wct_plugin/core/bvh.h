@@ -27,6 +27,7 @@ struct Box {
         add(b.hi);
     }
     Vec3 center() const { return 0.5 * (lo + hi); }
+    double diagonal() const { return norm(hi - lo); }
     bool contains(const Vec3 &p) const {
         return p.x >= lo.x && p.x <= hi.x && p.y >= lo.y && p.y <= hi.y && p.z >= lo.z && p.z <= hi.z;
     }

@@ -2,7 +2,6 @@
 
 #include "crease_recovery.h"
 #include "euler.h"
-#include "kept_extent.h"
 #include "pinches.h"
 #include "relax.h"
 #include "sharp_clearance.h"
@@ -200,27 +199,21 @@ std::vector<int> across_planes(const Cloud &cloud, const Complex &complex, const
 /// and facets by the creases between them: past a gap, facets would get from one plane to the next.
 std::vector<int> open_creases(const Cloud &cloud, const Complex &complex, const Reference &reference,
                               double tolerance) {
-    const SurfaceData &surface = reference.data();
-    const std::vector<CreaseGap> gaps = crease_gaps(cloud, reference, complex);
-    std::map<int, Box> planes; // beside gaps
-    for (const CreaseGap &gap : gaps)
-        for (const int p : reference.patches_at_curve(gap.curve))
-            if (reference.planar(p))
-                planes.try_emplace(p);
-    if (planes.empty())
-        return {};
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-        if (const auto plane = planes.find(surface.patch[t]); plane != planes.end())
-            for (const int v : surface.triangles[t])
-                plane->second.add(surface.points[v]);
-    const double kept = kept_extent(surface.points, tolerance);
     std::vector<int> ends;
-    for (const CreaseGap &gap : gaps)
-        for (const int p : reference.patches_at_curve(gap.curve))
-            if (const auto plane = planes.find(p);
-                plane != planes.end() && norm(plane->second.hi - plane->second.lo) > kept)
-                ends.insert(ends.end(), {gap.first, gap.second});
+    for (const CreaseGap &gap : crease_gaps(cloud, reference, complex)) {
+        const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
+        if (std::any_of(patches.begin(), patches.end(), [&](int p) { return reference.keeps(p, tolerance); }))
+            ends.insert(ends.end(), {gap.first, gap.second});
+    }
     return ends;
+}
+
+/// Points where planes are not represented.
+std::vector<int> lost_planes(const Cloud &cloud, const Complex &complex, const Reference &reference, double tolerance) {
+    std::vector<int> lost = across_planes(cloud, complex, reference, tolerance);
+    const std::vector<int> open = open_creases(cloud, complex, reference, tolerance);
+    lost.insert(lost.end(), open.begin(), open.end());
+    return lost;
 }
 
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
@@ -355,8 +348,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const std::vector<int> euler = euler_characteristics(mesh.tets, mesh.region);
     const double tolerance = form.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const Complex &complex, const Flaws &flaws) {
-        return lost_points(cloud, flaws).empty() && across_planes(cloud, complex, reference, tolerance).empty() &&
-               open_creases(cloud, complex, reference, tolerance).empty() &&
+        return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, tolerance).empty() &&
                euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
@@ -402,10 +394,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     };
     Start best = run();
     for (int attempt = 0; attempt < form.attempts && !best.intact && !monitor.stopped(); ++attempt) {
-        const std::vector<int> cut = across_planes(best.cloud, best.complex, reference, tolerance);
-        const std::vector<int> open = open_creases(best.cloud, best.complex, reference, tolerance);
-        best.touched.insert(best.touched.end(), cut.begin(), cut.end());
-        best.touched.insert(best.touched.end(), open.begin(), open.end());
+        const std::vector<int> lost = lost_planes(best.cloud, best.complex, reference, tolerance);
+        best.touched.insert(best.touched.end(), lost.begin(), lost.end());
         refine(best.cloud, best.touched, reference, sizing);
         Start next = run();
         if (next.intact || next.tally.bad + next.off < best.tally.bad + best.off)

@@ -1,6 +1,7 @@
 #include "reference.h"
 
 #include "groups.h"
+#include "kept_extent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +41,7 @@ Reference::Reference(SurfaceData data) : data_(std::move(data)) {
         boxes.push_back(box_of(data_, static_cast<int>(t)));
         all.add(boxes.back());
     }
-    diagonal_ = norm(all.hi - all.lo);
+    diagonal_ = all.diagonal();
     for (const Vec3 &p : {all.lo, all.hi})
         scale_ = std::max({scale_, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     tree_ = BoxTree(boxes);
@@ -180,6 +181,11 @@ void Reference::find_planes() {
         }
         planar_[p] = flat;
     }
+}
+
+bool Reference::keeps(int patch, double tolerance) const {
+    constexpr std::size_t root = 0;
+    return planar_[patch] && patch_trees_[patch].tree.box(root).diagonal() > kept_extent(diagonal_, tolerance);
 }
 
 void Reference::make_curvatures() {

@@ -63,6 +63,8 @@ class Reference {
     double diagonal() const { return diagonal_; }
     int patches() const { return static_cast<int>(planar_.size()); }
     bool planar(int patch) const { return planar_[patch]; }
+    /// Whether it is planar and so large that the local search keeps it exactly.
+    bool keeps(int patch, double tolerance) const;
     const std::vector<Curve> &curves() const { return curves_; }
 
     /// Nearest point of the surface, or of one patch. Sooner where `hint` is a triangle nearby; the answer does not

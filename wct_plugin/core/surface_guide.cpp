@@ -1,5 +1,6 @@
 #include "surface_guide.h"
 
+#include "bvh.h"
 #include "kept_extent.h"
 #include "near_along.h"
 
@@ -46,7 +47,10 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
 } // namespace
 
 SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {
-    kept_ = kept_extent(surface.points, tolerance);
+    Box box;
+    for (const Vec3 &p : surface.points)
+        box.add(p);
+    kept_ = kept_extent(box.diagonal(), tolerance);
     make_patches(surface);
     make_curves(surface);
     make_corners(surface);
