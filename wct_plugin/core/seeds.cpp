@@ -1,6 +1,7 @@
 #include "seeds.h"
 
 #include "seed_corners.h"
+#include "seed_walls.h"
 #include "sharp_clearance.h"
 
 #include <algorithm>
@@ -332,6 +333,7 @@ Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing 
     seed_corners(cloud, reference);
     seed_patches(cloud, reference, sizing, form, random);
     seed_inside(cloud, reference, map, sizing, form, random);
+    seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);
     retract(cloud, reference, workers);
     clear_sharp(cloud, sizing);
     return cloud;

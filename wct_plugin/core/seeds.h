@@ -20,7 +20,7 @@ struct SeedForm {
 };
 
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
-/// body-centered cubic lattice whose cell follows the size field in steps.
+/// body-centered cubic lattice whose cell follows the size field in steps, and the middles of thin walls.
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
                  Random &random, const Workers &workers);
 

@@ -216,7 +216,7 @@ bool Sizing::notched(const Vec3 &p, double gap) const {
            slack * gap > notches_.narrow(foot.edge) * foot.distance;
 }
 
-double Sizing::thickness_at(int triangle) const {
+Sizing::Thickness Sizing::thickness_at(int triangle) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
     constexpr double kCone = 0.5235987755982988; // 30 degrees
@@ -226,7 +226,7 @@ double Sizing::thickness_at(int triangle) const {
     const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
-    double thin = kInfinity;
+    double thin = kInfinity, inside = kInfinity;
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
         const bool outside = data.sides[data.patch[triangle]][side] < 0;
@@ -245,21 +245,27 @@ double Sizing::thickness_at(int triangle) const {
         std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
         const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
         thin = std::min(thin, outside ? narrow : hits[3]);
+        if (!outside)
+            inside = std::min(inside, hits[3]);
     }
-    return std::min(thin, reference_.diagonal());
+    return {std::min(thin, reference_.diagonal()), inside};
 }
 
 void Sizing::limit_by_thickness(const Workers &workers) {
     const auto &data = reference_.data();
     std::vector<double> thin(data.triangles.size());
     std::vector<char> measured(data.triangles.size(), 0);
+    inside_.assign(data.triangles.size(), kInfinity);
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c] = data.triangles[t];
         const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
         const double size = std::max({limit_[a], limit_[b], limit_[c]});
         measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
-        if (measured[t])
-            thin[t] = thickness_at(static_cast<int>(t));
+        if (measured[t]) {
+            const Thickness here = thickness_at(static_cast<int>(t));
+            thin[t] = here.limit;
+            inside_[t] = here.inside;
+        }
     });
     std::vector<double> sum(data.points.size(), 0.0);
     std::vector<double> weight(data.points.size(), 0.0);
@@ -299,12 +305,22 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
 void Sizing::grade() {
     const auto &data = reference_.data();
     limit_gradient(surface, data.points, neighbours(data.triangles, data.points.size()), form_.surface_grade);
-    std::vector<double> values;
-    for (const auto &t : data.triangles)
-        values.push_back(std::min({surface[t[0]], surface[t[1]], surface[t[2]]}));
-    least_ = reference_.tree().smallest(values);
-    for (const double s : values)
-        smallest_ = std::min(smallest_, s);
+    // The few layers of a wall no thicker than this are made at one size: where its middle has longer edges than its
+    // sides, tets there are mostly bad.
+    constexpr double thick = 2.0; // sizes
+    flat_.assign(data.triangles.size(), 0.0);
+    std::vector<double> sizes, from;
+    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+        const auto &[a, b, c] = data.triangles[t];
+        const double size = std::min({surface[a], surface[b], surface[c]});
+        if (inside_[t] < thick * size)
+            flat_[t] = 0.5 * inside_[t];
+        sizes.push_back(size);
+        from.push_back(size - form_.inner_grade * flat_[t]);
+        smallest_ = std::min(smallest_, size);
+    }
+    least_ = reference_.tree().smallest(sizes);
+    least_from_ = reference_.tree().smallest(from);
 }
 
 double Sizing::input_size(const Vec3 &p) const {
@@ -326,13 +342,17 @@ double Sizing::at(const Vec3 &p) const {
     const auto &data = reference_.data();
     const double most = form_.coarsen * input_size(p);
     const BoxTree &tree = reference_.tree();
+    const double grade = form_.inner_grade;
     return tree.minimise(
-        most, [&](std::size_t node) { return least_[node] + form_.inner_grade * std::sqrt(tree.box(node).square(p)); },
+        most,
+        [&](std::size_t node) {
+            return std::max(least_[node], least_from_[node] + grade * std::sqrt(tree.box(node).square(p)));
+        },
         [&](std::size_t item, double) {
             const auto &[a, b, c] = data.triangles[item];
             const TrianglePoint q = nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
             return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
-                   form_.inner_grade * std::sqrt(q.square);
+                   grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
         });
 }
 

@@ -36,9 +36,9 @@ inline constexpr double kCellPerEdge = 1.0 / 1.05;
 
 /// Target edge length everywhere.
 ///
-/// Near the surface it is what curvature, thickness, the lengths of creases and the input allow, from there it grows
-/// with the depth, up to the input's own local size: the edge of the lattice that has as many tets per volume as the
-/// input has there.
+/// Near the surface, and all through thin walls, it is what curvature, thickness, the lengths of creases and the input
+/// allow, from there it grows with the depth, up to the input's own local size: the edge of the lattice that has as
+/// many tets per volume as the input has there.
 class Sizing {
   public:
     /// `wanted`: edge length per input point; empty: the input's own.
@@ -78,7 +78,12 @@ class Sizing {
     void limit_by_thickness(const Workers &workers);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
-    double thickness_at(int triangle) const;
+    /// What thickness and gaps at a triangle allow, and the thickness of what is inside there.
+    struct Thickness {
+        double limit;
+        double inside;
+    };
+    Thickness thickness_at(int triangle) const;
     /// Whether a gap outside is no wider only since its sides meet near p: facets there do not reach across.
     bool notched(const Vec3 &p, double gap) const;
 
@@ -91,7 +96,10 @@ class Sizing {
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;
-    std::vector<double> least_; // per node of the reference's tree
+    std::vector<double> inside_; // thickness per triangle, infinite where it was not measured
+    std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow
+    // Per node of the reference's tree: of sizes, and of those that would grow from the surface on to the same.
+    std::vector<double> least_, least_from_;
     double smallest_ = 0.0;
     double largest_ = 0.0;
 };
