@@ -26,6 +26,7 @@ from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
 from wct_plugin.released import released
 from wct_plugin.remaining import remaining
+from wct_plugin.renewal import Renewal
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 from wct_plugin.starts import Start
@@ -191,7 +192,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         else:
             start = self._pinned_start(mesh, own, wanted, listen)
             tried = [self._search(mesh, start, own, held, listen, _WORTH[options.boundary] * options.effort)]
-        found = min(tried, key=lambda one: one["bad"])
+        found = _best(tried)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
@@ -305,7 +306,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         size: Floats | None,
         listen: Listener,
     ) -> "list[SearchedArrays]":
-        """What the search makes of a resampled start, and of others that are finer where it was stuck before."""
+        """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
+
+        Where that is in few places, the rest of it stays.
+        """
         tried, finer = [], Finer.nowhere()
         worth = _WORTH["move"] * self.options.effort
         while True:
@@ -313,8 +317,13 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             tried.append(found)
             if found["bad"] == 0 or listen.stopped or worth == np.inf:
                 return tried
-            finer = finer.about(found["points"][found["tets"][found["stuck"]]])
-            again = self._resample(mesh, reference, tolerance, size, listen, finer)
+            best = _best(tried)
+            vain = len(tried) - 1 - [one["bad"] for one in tried].index(best["bad"])
+            finer = finer.about(best["points"][best["tets"][best["stuck"]]])
+            renewal = Renewal.of(best, vain)
+            again = self._resample(mesh, reference, tolerance, size, listen, finer, renewal, len(tried))
+            if again is None and renewal is not None:
+                again = self._resample(mesh, reference, tolerance, size, listen, finer, None, len(tried))
             if again is None or len(tried) == _FINER:  # nothing else is left to try
                 worth = np.inf
             start = again or start
@@ -327,6 +336,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         size: Floats | None,
         listen: Listener,
         finer: Finer,
+        renewal: Renewal | None = None,
+        attempt: int = 0,
     ) -> Start | None:
         """The relaxed lattice start, or None where it does not represent the domain."""
         options = self.options
@@ -345,8 +356,13 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             size=size,
             finer_at=finer.at,
             finer_size=finer.size,
+            kept_points=renewal and renewal.points,
+            kept_stratum=renewal and renewal.stratum,
+            kept_label=renewal and renewal.label,
+            anew_at=renewal and renewal.at,
+            anew_radius=renewal and renewal.radius,
             cosines=options.goal == "cwc",
-            seed=options.seed + 1,
+            seed=options.seed + 1 + attempt,
             progress=listen.resample,
         )
         stratum = found["stratum"]
@@ -380,6 +396,11 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
             return start
         return refilled
+
+
+def _best(tried: "list[SearchedArrays]") -> "SearchedArrays":
+    """Of equals the last: from there others are tried."""
+    return min(reversed(tried), key=lambda one: one["bad"])
 
 
 class _Found(NamedTuple):

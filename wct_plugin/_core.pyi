@@ -220,6 +220,11 @@ def resample(
     size: NDArray[np.float64] | None = None,
     finer_at: NDArray[np.float64] | None = None,
     finer_size: NDArray[np.float64] | None = None,
+    kept_points: NDArray[np.float64] | None = None,
+    kept_stratum: NDArray[np.int64] | None = None,
+    kept_label: NDArray[np.int64] | None = None,
+    anew_at: NDArray[np.float64] | None = None,
+    anew_radius: NDArray[np.float64] | None = None,
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
@@ -233,8 +238,10 @@ def resample(
     -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
     ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
     point, else the mesh's own local one. ``finer_at`` (k, 3), ``finer_size`` (k,): edges are no longer than this round
-    these places. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may
-    be, in widths of the gap.
+    these places. ``kept_points`` (k, 3), ``kept_stratum``, ``kept_label`` (k,): the points of a mesh but for corners,
+    with the patch, curve or, inside, region of each; they stay, but for those within ``anew_radius`` (z,) of
+    ``anew_at`` (z, 3), and what is beside moves. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long
+    edges beside a gap outside may be, in widths of the gap.
 
     The label of a corner is its surface point. The same input and seed give the same bits.
     """

@@ -190,11 +190,38 @@ std::vector<SizeLimit> limits_of(const std::optional<Array> &at, const std::opti
     return limits;
 }
 
+/// A mesh's points but for corners, and where it is made anew.
+std::optional<Renewal> renewal_of(const std::optional<Array> &points, const std::optional<Array> &stratum,
+                                  const std::optional<Array> &label, const std::optional<Array> &anew_at,
+                                  const std::optional<Array> &anew_radius) {
+    if (!points && !stratum && !label && !anew_at && !anew_radius)
+        return {};
+    if (!points || !stratum || !label || !anew_at || !anew_radius)
+        refuse("kept_points, kept_stratum, kept_label, anew_at and anew_radius go together");
+    const std::vector<Vec3> at = points_of(*points, "kept_points");
+    const auto corner = static_cast<std::int64_t>(Stratum::corner);
+    const std::vector<int> role = numbers_of(*stratum, at.size(), corner, "kept_stratum");
+    const std::vector<int> labels =
+        numbers_of(*label, at.size(), std::numeric_limits<std::int32_t>::max(), "kept_label");
+    Cloud mesh;
+    for (std::size_t i = 0; i < at.size(); ++i)
+        mesh.add(at[i], static_cast<Stratum>(role[i]), labels[i], 0.0);
+    const std::vector<Vec3> places = points_of(*anew_at, "anew_at");
+    const std::vector<double> radius = sizes_of(*anew_radius, places.size(), "anew_radius");
+    std::vector<Renewal::Zone> zones;
+    for (std::size_t k = 0; k < places.size(); ++k)
+        zones.push_back({places[k], radius[k]});
+    return std::optional<Renewal>(std::in_place, std::move(mesh), zones);
+}
+
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         const std::optional<Array> &finer_at, const std::optional<Array> &finer_size, bool cosines,
-                         std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
+                         const std::optional<Array> &finer_at, const std::optional<Array> &finer_size,
+                         const std::optional<Array> &kept_points, const std::optional<Array> &kept_stratum,
+                         const std::optional<Array> &kept_label, const std::optional<Array> &anew_at,
+                         const std::optional<Array> &anew_radius, bool cosines, std::uint64_t seed,
+                         const nb::object &progress, double gap, unsigned threads) {
     trim();
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
@@ -216,6 +243,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     form.sizing.limits = limits_of(finer_at, finer_size);
     form.cosines = cosines;
     form.seed = seed;
+    const std::optional<Renewal> renewal = renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     GlobalResult result;
     SurfaceLabels labels;
@@ -223,7 +251,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         Reference reference(std::move(surface));
-        result = resample(reference, mesh, wanted, form, monitor, workers_of(threads));
+        result = resample(reference, mesh, wanted, form, renewal, monitor, workers_of(threads));
         free_buried(result.cloud, result.complex, reference);
         labels = label_surface(result.cloud, result.complex, reference);
     }
@@ -238,8 +266,10 @@ void bind_global(nb::module_ &m) {
         "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
         nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
         nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("finer_at") = nb::none(),
-        nb::arg("finer_size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
-        nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap, nb::arg("threads") = 0,
+        nb::arg("finer_size") = nb::none(), nb::arg("kept_points") = nb::none(), nb::arg("kept_stratum") = nb::none(),
+        nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(), nb::arg("anew_radius") = nb::none(),
+        nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+        nb::arg("gap") = SizingForm{}.gap, nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -247,7 +277,10 @@ void bind_global(nb::module_ &m) {
         "outside.\n"
         "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
         "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
-        "one. finer_at (k, 3), finer_size (k,): edges are no longer than this round these places. progress(done, bad) "
+        "one. finer_at (k, 3), finer_size (k,): edges are no longer than this round these places.\n"
+        "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points but for corners, with the patch, curve "
+        "or,\n"
+        "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). progress(done, bad) "
         "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap.\n\n"
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"

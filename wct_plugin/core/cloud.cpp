@@ -116,6 +116,8 @@ Vec3 retract_to_crease(Cloud &cloud, const Reference &reference, std::size_t i) 
 
 void retract(Cloud &cloud, const Reference &reference, const Workers &workers) {
     workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
+        if (cloud.held[i] == Hold::all)
+            return;
         if (cloud.role[i] == Stratum::patch)
             reference.to_patch(cloud.points[i], foot_on_patch(cloud, reference, i));
         else
@@ -127,19 +129,22 @@ void retract_to_shell(Cloud &cloud, const Reference &reference, double shell, st
                       const Workers &workers) {
     direction.assign(cloud.count(), {});
     workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
+        Vec3 &p = cloud.points[i];
+        const Vec3 before = p;
         if (cloud.role[i] != Stratum::patch) {
             direction[i] = retract_to_crease(cloud, reference, i);
-            return;
-        }
-        Vec3 &p = cloud.points[i];
-        const Foot foot = foot_on_patch(cloud, reference, i);
-        if (reference.planar(cloud.label[i])) {
-            direction[i] = reference.to_patch(p, foot);
         } else {
-            if (foot.distance > shell)
-                p = foot.point + (shell / foot.distance) * (p - foot.point);
-            direction[i] = reference.smooth_normal(foot);
+            const Foot foot = foot_on_patch(cloud, reference, i);
+            if (reference.planar(cloud.label[i])) {
+                direction[i] = reference.to_patch(p, foot);
+            } else {
+                if (foot.distance > shell)
+                    p = foot.point + (shell / foot.distance) * (p - foot.point);
+                direction[i] = reference.smooth_normal(foot);
+            }
         }
+        if (cloud.held[i] == Hold::all)
+            p = before;
     });
 }
 

@@ -13,6 +13,9 @@
 
 namespace wct {
 
+/// What leaves a point where it is.
+enum class Hold : std::uint8_t { none, relaxation, all };
+
 /// The points of a mesh in the making.
 struct Cloud {
     std::vector<Vec3> points;
@@ -20,7 +23,7 @@ struct Cloud {
     std::vector<int> label;   // patch, curve, vertex of the surface; for interior points their region
     std::vector<double> size; // wanted edge length
     std::vector<int> near;    // a triangle of the reference not far from it, -1: none is known
-    std::vector<char> held;   // relaxation leaves it where it is
+    std::vector<Hold> held;
 
     std::size_t count() const { return points.size(); }
     void add(const Vec3 &p, Stratum s, int l, double h) {
@@ -29,7 +32,7 @@ struct Cloud {
         label.push_back(l);
         size.push_back(h);
         near.push_back(-1);
-        held.push_back(0);
+        held.push_back(Hold::none);
     }
     void keep(const std::vector<char> &which);
 };

@@ -114,7 +114,7 @@ class Objective {
     /// The part of a field along which the points may move.
     void project(Field &field) const {
         for (std::size_t i = 0; i < field.size(); ++i)
-            switch (cloud_.held[i] ? Stratum::corner : cloud_.role[i]) {
+            switch (cloud_.held[i] != Hold::none ? Stratum::corner : cloud_.role[i]) {
             case Stratum::interior:
                 break;
             case Stratum::patch:
@@ -283,7 +283,8 @@ std::size_t descend(Cloud &cloud, const Complex &complex, const std::vector<Vec3
             break;
     }
     for (std::size_t i = 0; i < points.size(); ++i)
-        cloud.points[i] = cloud.size[i] * points[i];
+        if (cloud.held[i] != Hold::all) // not by a rounding
+            cloud.points[i] = cloud.size[i] * points[i];
     return objective.evaluations();
 }
 

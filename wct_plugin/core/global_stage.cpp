@@ -301,7 +301,8 @@ struct Start {
 } // namespace
 
 GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
-                      const GlobalForm &form, Monitor &monitor, const Workers &workers) {
+                      const GlobalForm &form, const std::optional<Renewal> &renewal, Monitor &monitor,
+                      const Workers &workers) {
     using Clock = std::chrono::steady_clock;
     auto last = Clock::now();
     GlobalResult result;
@@ -318,9 +319,11 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const std::vector<double> ceiling = sizing.surface;
     Random random(form.seed);
     const bool curved = has_curved_patches(reference);
-    const auto start = [&](int sweeps) {
+    const auto seeds = [&] {
         set_offsets(reference, sizing, form, correction);
-        Cloud cloud = make_seeds(reference, map, sizing, SeedForm{}, random, workers);
+        return make_seeds(reference, map, sizing, SeedForm{}, random, workers);
+    };
+    const auto relaxed = [&](Cloud cloud, int sweeps) {
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
             drop_twins(cloud);
             Complex complex = restricted_delaunay(cloud, reference, map, workers);
@@ -339,7 +342,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         return cloud;
     };
     for (int trial = 0; curved && trial < form.trials && !monitor.stopped(); ++trial) {
-        Cloud cloud = start(form.trial_sweeps);
+        Cloud cloud = relaxed(seeds(), form.trial_sweeps);
         drop_twins(cloud);
         const Complex complex = restricted_delaunay(cloud, reference, map, workers);
         learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, form);
@@ -356,7 +359,10 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const FitForm fit{form.fit_target * tolerance, form.fit_weight, form.fit_pull, shell};
     const auto run = [&] {
         Start best;
-        Cloud cloud = start(form.sweeps);
+        Cloud cloud = seeds();
+        if (renewal)
+            renewal->apply(cloud, sizing);
+        cloud = relaxed(std::move(cloud), form.sweeps);
         lap("relax");
         Complex complex;
         std::vector<int> touched;

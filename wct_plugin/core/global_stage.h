@@ -7,11 +7,13 @@
 #include "monitor.h"
 #include "reference.h"
 #include "region_map.h"
+#include "renewal.h"
 #include "restricted.h"
 #include "seeds.h"
 #include "sizing.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -70,8 +72,10 @@ struct GlobalResult {
     std::vector<std::pair<std::string, double>> stats;
 };
 
-/// Resample the domain: see make_seeds, relax and descend. The reference's offsets are set on the way.
+/// Resample the domain, or only what the renewal makes anew: see make_seeds, relax and descend. The reference's offsets
+/// are set on the way.
 GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<const double> wanted,
-                      const GlobalForm &form, Monitor &monitor, const Workers &workers);
+                      const GlobalForm &form, const std::optional<Renewal> &renewal, Monitor &monitor,
+                      const Workers &workers);
 
 } // namespace wct

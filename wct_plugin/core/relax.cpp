@@ -69,7 +69,8 @@ double relax(Cloud &cloud, const Reference &reference, const Complex &complex, d
     const std::vector<Vec3> before = points;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Mean &mean = cloud.role[i] == Stratum::interior ? inner[i] : outer[i];
-        const bool free = !cloud.held[i] && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
+        const bool free =
+            cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
         if (free && mean.weight > 0.0)
             cloud.points[i] += step * ((1.0 / mean.weight) * mean.sum - cloud.points[i]);
     }
@@ -104,17 +105,19 @@ int mend(Cloud &cloud, const Reference &reference, const Complex &complex, doubl
     std::sort(near.begin(), near.end());
     for (const auto &[length, edge] : near) {
         const auto &[v, w] = edge;
-        if (touched[v] || touched[w])
+        const int goes = cloud.role[w] == Stratum::patch ? w : v;
+        if (touched[v] || touched[w] || cloud.held[goes] == Hold::all)
             continue;
         touched[v] = touched[w] = 1;
-        keep[cloud.role[w] == Stratum::patch ? w : v] = 0;
+        keep[goes] = 0;
         ++changes;
     }
     std::sort(far.begin(), far.end());
     for (const auto &[length, edge] : far) {
         const auto &[v, w] = edge;
         const int patch = common_patch(cloud, reference, edge);
-        if (touched[v] || touched[w] || patch < 0)
+        const bool held = cloud.held[v] == Hold::all && cloud.held[w] == Hold::all;
+        if (touched[v] || touched[w] || held || patch < 0)
             continue;
         Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);
         reference.to_patch(middle, reference.nearest(middle, patch, cloud.near[v]));

@@ -9,7 +9,7 @@ namespace wct {
 namespace {
 
 bool may_go(const Cloud &cloud, std::size_t i) {
-    return !cloud.held[i] && (cloud.role[i] == Stratum::patch || cloud.role[i] == Stratum::interior);
+    return cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::patch || cloud.role[i] == Stratum::interior);
 }
 
 /// Shares of a step along the crease at which the points of the two rows stand: of the first, of one between, and of
@@ -57,7 +57,7 @@ void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &siz
         reference.to_patch(p, on);
         grid.add(p, apart * size);
         cloud.add(p, Stratum::patch, patch, size);
-        cloud.held.back() = 1;
+        cloud.held.back() = Hold::relaxation;
     };
     const auto chains = curve_chains(cloud, reference);
     for (int c = 0; c < static_cast<int>(chains.size()); ++c) {
@@ -65,7 +65,7 @@ void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &siz
             continue;
         const bool closed = reference.curves()[c].closed;
         for (const CurveStop &stop : chains[c])
-            cloud.held[stop.point] = 1;
+            cloud.held[stop.point] = Hold::relaxation;
         for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
             const int a = chains[c][k].point, b = chains[c][k + 1].point;
             const Vec3 from = cloud.points[a], to = cloud.points[b];

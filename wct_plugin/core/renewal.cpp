@@ -1,0 +1,45 @@
+#include "renewal.h"
+
+#include <utility>
+
+namespace wct {
+
+Renewal::Renewal(Cloud mesh, std::span<const Zone> zones) : mesh_(std::move(mesh)) {
+    // In radii of a zone. Within 2 as few tets come right as before, all free takes longer for nothing.
+    constexpr double beside = 3.0;
+    for (const Zone &zone : zones) { // a grid takes the mean of two radii, and what is asked for has none
+        zones_.add(zone.at, 2.0 * zone.radius);
+        beside_.add(zone.at, 2.0 * beside * zone.radius);
+    }
+}
+
+void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
+    constexpr double apart = 0.75; // in sizes, of new points from old ones
+    const auto hold = [&](const Vec3 &p) { return beside_.crowded(p, 0.0) ? Hold::none : Hold::all; };
+    Cloud old = mesh_;
+    std::vector<char> stays(old.count());
+    PointGrid grid;
+    for (std::size_t i = 0; i < old.count(); ++i) {
+        stays[i] = !zones_.crowded(old.points[i], 0.0);
+        if (!stays[i])
+            continue;
+        old.size[i] = sizing.at(old.points[i]);
+        grid.add(old.points[i], apart * old.size[i]);
+    }
+    std::vector<char> fresh(cloud.count());
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+        const Vec3 &p = cloud.points[i];
+        fresh[i] =
+            cloud.role[i] == Stratum::corner || (zones_.crowded(p, 0.0) && !grid.crowded(p, apart * cloud.size[i]));
+        if (hold(p) == Hold::all)
+            cloud.held[i] = Hold::all;
+    }
+    cloud.keep(fresh);
+    for (std::size_t i = 0; i < old.count(); ++i)
+        if (stays[i]) {
+            cloud.add(old.points[i], old.role[i], old.label[i], old.size[i]);
+            cloud.held.back() = hold(old.points[i]);
+        }
+}
+
+} // namespace wct

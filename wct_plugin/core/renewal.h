@@ -1,0 +1,34 @@
+#pragma once
+
+#include "cloud.h"
+#include "sizing.h"
+
+#include <span>
+
+namespace wct {
+
+/// A mesh that came right nearly everywhere, to be made anew round the places where it did not.
+///
+/// Where the points stay the tets do: one that contains its circumcenter, among others that do, is Delaunay (Rajan,
+/// "Optimality of the Delaunay triangulation in R^d", 1994).
+class Renewal {
+  public:
+    struct Zone {
+        Vec3 at;
+        double radius; // within it all points are new
+    };
+
+    /// `mesh`: its points but for corners.
+    Renewal(Cloud mesh, std::span<const Zone> zones);
+
+    /// Put the mesh's own points in place of the cloud's outside the zones. Beside the zones they may move, so that old
+    /// and new ones find together, elsewhere nothing moves them.
+    void apply(Cloud &cloud, const Sizing &sizing) const;
+
+  private:
+    Cloud mesh_;
+    PointGrid zones_;
+    PointGrid beside_;
+};
+
+} // namespace wct
