@@ -216,10 +216,18 @@ bool Sizing::notched(const Vec3 &p, double gap) const {
            slack * gap > notches_.narrow(foot.edge) * foot.distance;
 }
 
+bool Sizing::tapered(const Vec3 &p, double thickness) const {
+    constexpr double least = 0.25; // 2 sin(half the angle), 14 degrees
+    constexpr double slack = 1.5;
+    const SharpFoot foot = sharp_.nearest(p, slack * thickness / least);
+    return foot.edge >= 0 && slack * thickness > sharp_.narrow(foot.edge) * foot.distance;
+}
+
 Sizing::Thickness Sizing::thickness_at(int triangle) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
     constexpr double kCone = 0.5235987755982988; // 30 degrees
+    constexpr double kParallel = -0.8;           // cosine between normals of a wall's sides
     const auto &data = reference_.data();
     const Vec3 &n = reference_.normal(triangle);
     const auto &[a, b, c] = data.triangles[triangle];
@@ -230,7 +238,7 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
         const bool outside = data.sides[data.patch[triangle]][side] < 0;
-        std::array<double, kRays> hits;
+        std::array<double, kRays> hits, walls;
         for (int j = 0; j < kRays; ++j) {
             const double tilt = j == 0 ? 0.0 : kCone;
             const double turn = 6.283185307179586 * j / (kRays - 1) + 0.1;
@@ -241,12 +249,14 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
             const bool opposite =
                 hit >= 0 && dot(reference_.normal(hit), n) < -0.5 && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
+            walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
         }
         std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
+        std::nth_element(walls.begin(), walls.begin() + 3, walls.end());
         const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
         thin = std::min(thin, outside ? narrow : hits[3]);
         if (!outside)
-            inside = std::min(inside, hits[3]);
+            inside = std::min(inside, walls[3]);
     }
     return {std::min(thin, reference_.diagonal()), inside};
 }
@@ -264,7 +274,8 @@ void Sizing::limit_by_thickness(const Workers &workers) {
         if (measured[t]) {
             const Thickness here = thickness_at(static_cast<int>(t));
             thin[t] = here.limit;
-            inside_[t] = here.inside;
+            if (here.inside < kInfinity && !tapered(center, here.inside))
+                inside_[t] = here.inside;
         }
     });
     std::vector<double> sum(data.points.size(), 0.0);

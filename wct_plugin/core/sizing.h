@@ -78,7 +78,7 @@ class Sizing {
     void limit_by_thickness(const Workers &workers);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
-    /// What thickness and gaps at a triangle allow, and the thickness of what is inside there.
+    /// What thickness and gaps at a triangle allow, and the thickness of a wall inside there.
     struct Thickness {
         double limit;
         double inside;
@@ -86,6 +86,8 @@ class Sizing {
     Thickness thickness_at(int triangle) const;
     /// Whether a gap outside is no wider only since its sides meet near p: facets there do not reach across.
     bool notched(const Vec3 &p, double gap) const;
+    /// Whether what is inside is no thicker only since its sides meet near p.
+    bool tapered(const Vec3 &p, double thickness) const;
 
     const Reference &reference_;
     const InputMesh &mesh_;
@@ -96,7 +98,7 @@ class Sizing {
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;
-    std::vector<double> inside_; // thickness per triangle, infinite where it was not measured
+    std::vector<double> inside_; // thickness of walls per triangle, infinite where none is
     std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow
     // Per node of the reference's tree: of sizes, and of those that would grow from the surface on to the same.
     std::vector<double> least_, least_from_;
