@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.finer import middles
+
 if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin._core import SearchedArrays
 
@@ -40,12 +42,11 @@ class Renewal(NamedTuple):
         region = np.empty(len(found["points"]), dtype=np.int64)
         region[tets.ravel()] = np.repeat(found["regions"], 4)
         keep = found["stratum"] < 3  # corners belong to the surface
-        corners = found["points"][tets[stuck]]
-        edges = corners[:, [0, 0, 0, 1, 1, 2]] - corners[:, [1, 2, 3, 2, 3, 3]]
+        at, edge = middles(found["points"][tets[stuck]])
         return cls(
             found["points"][keep],
             found["stratum"][keep].astype(np.int64),
             np.where(found["stratum"] > 0, found["label"], region)[keep],
-            corners.mean(axis=1),
-            _RADIUS * _GROWTH**vain * np.linalg.norm(edges, axis=2).mean(axis=1),
+            at,
+            _RADIUS * _GROWTH**vain * edge,
         )

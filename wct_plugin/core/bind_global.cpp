@@ -176,18 +176,24 @@ void trim() {
 #endif
 }
 
+/// Places and a positive number at each.
+template <class Place>
+std::vector<Place> places_of(const Array &at, const char *at_name, const Array &value, const char *value_name) {
+    const std::vector<Vec3> points = points_of(at, at_name);
+    const std::vector<double> values = sizes_of(value, points.size(), value_name);
+    std::vector<Place> places;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        places.push_back({points[k], values[k]});
+    return places;
+}
+
 /// Places where edges are to be shorter.
 std::vector<SizeLimit> limits_of(const std::optional<Array> &at, const std::optional<Array> &size) {
-    std::vector<SizeLimit> limits;
     if (at.has_value() != size.has_value())
         refuse("finer_at and finer_size go together");
     if (!at)
-        return limits;
-    const std::vector<Vec3> places = points_of(*at, "finer_at");
-    const std::vector<double> sizes = sizes_of(*size, places.size(), "finer_size");
-    for (std::size_t k = 0; k < places.size(); ++k)
-        limits.push_back({places[k], sizes[k]});
-    return limits;
+        return {};
+    return places_of<SizeLimit>(*at, "finer_at", *size, "finer_size");
 }
 
 /// A mesh's points but for corners, and where it is made anew.
@@ -206,12 +212,8 @@ std::optional<Renewal> renewal_of(const std::optional<Array> &points, const std:
     Cloud mesh;
     for (std::size_t i = 0; i < at.size(); ++i)
         mesh.add(at[i], static_cast<Stratum>(role[i]), labels[i], 0.0);
-    const std::vector<Vec3> places = points_of(*anew_at, "anew_at");
-    const std::vector<double> radius = sizes_of(*anew_radius, places.size(), "anew_radius");
-    std::vector<Renewal::Zone> zones;
-    for (std::size_t k = 0; k < places.size(); ++k)
-        zones.push_back({places[k], radius[k]});
-    return std::optional<Renewal>(std::in_place, std::move(mesh), zones);
+    return std::optional<Renewal>(std::in_place, std::move(mesh),
+                                  places_of<Renewal::Zone>(*anew_at, "anew_at", *anew_radius, "anew_radius"));
 }
 
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,

@@ -208,19 +208,20 @@ void Sizing::limit_by_creases() {
     }
 }
 
+SharpFoot Sizing::closing(const SharpEdges &edges, const Vec3 &p, double width, double least) {
+    constexpr double slack = 1.5;
+    const SharpFoot foot = edges.nearest(p, slack * width / least);
+    return foot.edge >= 0 && slack * width > edges.narrow(foot.edge) * foot.distance ? foot : SharpFoot{};
+}
+
 bool Sizing::notched(const Vec3 &p, double gap) const {
     constexpr double narrowest = 0.44; // 2 sin(half the angle), 25 degrees
-    constexpr double slack = 1.5;
-    const SharpFoot foot = notches_.nearest(p, slack * gap / narrowest);
-    return foot.edge >= 0 && notches_.narrow(foot.edge) > narrowest &&
-           slack * gap > notches_.narrow(foot.edge) * foot.distance;
+    const SharpFoot foot = closing(notches_, p, gap, narrowest);
+    return foot.edge >= 0 && notches_.narrow(foot.edge) > narrowest;
 }
 
 bool Sizing::tapered(const Vec3 &p, double thickness) const {
-    constexpr double least = 0.25; // 2 sin(half the angle), 14 degrees
-    constexpr double slack = 1.5;
-    const SharpFoot foot = sharp_.nearest(p, slack * thickness / least);
-    return foot.edge >= 0 && slack * thickness > sharp_.narrow(foot.edge) * foot.distance;
+    return closing(sharp_, p, thickness, 0.25).edge >= 0; // 14 degrees
 }
 
 Sizing::Thickness Sizing::thickness_at(int triangle) const {

@@ -84,6 +84,9 @@ class Sizing {
         double inside;
     };
     Thickness thickness_at(int triangle) const;
+    /// The edge near p at which sides so far apart there meet, none if they do not. It is looked for as far as at
+    /// `least` (2 sin of half the angle between the sides) it may be.
+    static SharpFoot closing(const SharpEdges &edges, const Vec3 &p, double width, double least);
     /// Whether a gap outside is no wider only since its sides meet near p: facets there do not reach across.
     bool notched(const Vec3 &p, double gap) const;
     /// Whether what is inside is no thicker only since its sides meet near p.
