@@ -108,12 +108,11 @@ class TetComplex {
     void add_landmark(const std::optional<Facet> &owner);
     void forget_landmarks();
     void hand_landmark(int landmark, const Facet &owner);
-    /// The surface facets and their patches by key: the order of surface() depends on its hash table.
+    /// The surface facets and their patches, in the order of their keys: that of the hash table means nothing.
     std::vector<std::pair<Facet, int>> sorted_surface() const;
     std::array<Vec3, 3> corners(const Facet &key) const { return {point(key[0]), point(key[1]), point(key[2])}; }
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
-    const std::unordered_map<Facet, SurfaceFacet, KeyHash, SameKey> &surface() const { return surface_; }
     const std::unordered_map<Edge, int, KeyHash> &creases() const { return creases_; }
 
     int add_vertex(const Vertex &vertex);
