@@ -52,6 +52,8 @@ class Sizing {
     double largest() const { return largest_; }
     const SizingForm &form() const { return form_; }
     const SharpEdges &sharp() const { return sharp_; }
+    /// The same of what is outside.
+    const SharpEdges &notches() const { return notches_; }
     /// How far from a sharp edge the first vertices off it belong.
     double clearance(const SharpFoot &foot) const;
     /// The sharp edge within whose clearance p is, if it is in one.
@@ -97,7 +99,7 @@ class Sizing {
     const RegionMap &map_;
     SizingForm form_;
     SharpEdges sharp_;
-    SharpEdges notches_;        // the same of what is outside
+    SharpEdges notches_;
     std::vector<double> input_; // per input point
     bool uniform_ = false;
     std::vector<double> limit_;
