@@ -1,4 +1,5 @@
-"""Wedges: at a sharp edge every tet is as sharp, and the sizes there must not follow the thickness to nothing."""
+"""Wedges and notches: at a sharp edge every tet is as sharp, and sizes must not follow the thickness to nothing; in a
+notch facets of one side must not reach across to the other."""
 
 import numpy as np
 import pytest
@@ -15,6 +16,25 @@ def wedge(degrees, n):
     centers = cube.points[cube.tets].mean(axis=1)
     turned = cube.points * [1.0, np.tan(np.radians(degrees)), 1.0] @ rotation(3).T
     return TetMesh(turned, cube.tets[centers[:, 1] < centers[:, 0]])
+
+
+def notch(degrees, n):
+    """A block with a cut from above that is opened by this angle, in a general position."""
+    cube = kuhn_cube(n)  # n even: a layer of its vertices is where the cut runs
+    parts, tets = [], []
+    right = cube.points[cube.tets].mean(axis=1)[:, 0] > 0.5
+    for side, own in ((1.0, right), (-1.0, ~right)):
+        points = cube.points * [2.0, 1.0, 0.6] - [1.0, 0.0, 0.0]
+        open_by = np.tan(np.radians(degrees / 2)) * np.maximum(0.0, points[:, 1] - 0.25)
+        points[:, 0] += side * open_by * (1.0 - side * points[:, 0])
+        tets.append(cube.tets[own] + len(cube.points) * len(parts))
+        parts.append(points)
+    points, tets = np.concatenate(parts), np.concatenate(tets)
+    used = np.unique(tets)
+    _, first, same = np.unique(points[used].round(9), axis=0, return_index=True, return_inverse=True)
+    number = np.empty(len(points), dtype=np.int64)
+    number[used] = same.ravel()
+    return TetMesh(points[used][first] @ rotation(3).T, number[tets])
 
 
 def _volume(mesh):
@@ -40,3 +60,14 @@ def test_a_finer_reference_hardly_makes_finer_tets_at_a_sharp_edge():
         for n in (6, 36)
     )
     assert len(fine.tets) <= 1.6 * len(coarse.tets)
+
+
+@pytest.mark.parametrize("degrees", [20, 32, 40])
+def test_facets_do_not_reach_across_a_notch(degrees):
+    """A start with such facets is none: from the mesh as it came in, the search takes ten times as long."""
+    mesh = notch(degrees, 8)
+    better, metrics = apply_filter("meshing_well_centered", mesh)
+    assert quality.measure(better).completely_well_centered.all()
+    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+    assert _volume(better) == pytest.approx(_volume(mesh), rel=1e-12)
+    assert metrics["evaluations"] <= 50e6

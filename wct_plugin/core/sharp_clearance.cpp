@@ -3,6 +3,7 @@
 #include "curve_chains.h"
 
 #include <array>
+#include <optional>
 
 namespace wct {
 
@@ -12,16 +13,11 @@ bool may_go(const Cloud &cloud, std::size_t i) {
     return cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::patch || cloud.role[i] == Stratum::interior);
 }
 
-/// How two rows of points stand beside a sharp edge: shares of a step along the crease, of the first, of one between,
-/// and of the last, where the rows begin and end with a point of the curves that leave the corner.
-struct RowForm {
-    double widest; // edges that are less narrow do as well without: see SharpEdges::narrow
-    std::array<double, 2> first, between, last;
-};
-constexpr RowForm kInside{0.85, {0.55, 0.7}, {0.4, 0.6}, {0.3, 0.45}}; // 50 degrees
-/// Over an angle outside, facets of one side stay free of the other's points where those mirror its own.
-constexpr RowForm kOutside{0.85, {0.62, 0.62}, {0.5, 0.5}, {0.38, 0.38}};
-constexpr double kHeight = 0.87; // of a regular facet, in its edges
+/// Shares of a step along the crease at which the points of the two rows stand: of the first, of one between, and of
+/// the last, where the rows begin and end with a point of the curves that leave the corner.
+constexpr std::array<double, 2> kFirst{0.55, 0.7}, kBetween{0.4, 0.6}, kLast{0.3, 0.45};
+/// The same of the first row over an angle outside.
+constexpr double kMirroredFirst = 0.62, kMirroredBetween = 0.5, kMirroredLast = 0.38;
 
 /// Along a triangle, away from its edge.
 Vec3 away(const Reference &reference, int triangle, const std::array<int, 2> &edge) {
@@ -35,36 +31,61 @@ Vec3 away(const Reference &reference, int triangle, const std::array<int, 2> &ed
     return {};
 }
 
-/// `clearance(foot, step)`: how far from the edge the rows are, where steps along it are so long.
-template <class Clearance>
-void seed_rows(Cloud &cloud, const Reference &reference, const SharpEdges &sharp, const RowForm &form,
-               const Clearance &clearance) {
-    constexpr double off = 0.3;   // farther from its patch than this share of the clearance, a point is none of it
-    constexpr double apart = 0.4; // of the size, from other points
-    if (sharp.empty())
-        return;
-    PointGrid grid;
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        grid.add(cloud.points[i], apart * cloud.size[i]);
-    const auto stand = [&](const Vec3 &at, const Vec3 &along, double size, int row) {
-        const SharpFoot foot = sharp.nearest(at, size);
-        if (foot.edge < 0 || sharp.narrow(foot.edge) > form.widest)
-            return;
-        // The first row is on the side whose triangles run along the crease as its points do.
-        const auto &beside = sharp.beside(foot.edge);
-        const Vec3 first = away(reference, beside[0], sharp.ends(foot.edge));
-        const bool forward = dot(cross(along, first), reference.normal(beside[0])) > 0.0;
-        const int triangle = beside[forward ? row : 1 - row], patch = reference.data().patch[triangle];
-        const double far = clearance(foot, norm(along));
-        Vec3 p = at + far * away(reference, triangle, sharp.ends(foot.edge));
-        const Foot on = reference.nearest(p, patch);
-        if (on.distance > off * far || grid.crowded(on.point, apart * size))
-            return;
-        reference.to_patch(p, on);
-        grid.add(p, apart * size);
-        cloud.add(p, Stratum::patch, patch, size);
-        cloud.held.back() = Hold::relaxation;
+/// Finds places beside sharp edges, and puts points there that stay where they are.
+class RowPlacer {
+  public:
+    struct Place {
+        Vec3 point;
+        int patch;
+        double size;
     };
+
+    RowPlacer(Cloud &cloud, const Reference &reference, const SharpEdges &sharp)
+        : cloud_(cloud), reference_(reference), sharp_(sharp) {
+        for (std::size_t i = 0; i < cloud.count(); ++i)
+            grid_.add(cloud.points[i], kApart * cloud.size[i]);
+    }
+
+    /// Where the point this far from one of the edge is, on the first (0) or second (1) side, if there is room: the
+    /// first is the one whose triangles run along the crease as its points do.
+    std::optional<Place> beside(const Vec3 &at, int edge, const Vec3 &along, double size, int side, double far) const {
+        constexpr double off = 0.3; // farther from its patch than this share of the way, a point is none of it
+        const auto &triangles = sharp_.beside(edge);
+        const Vec3 first = away(reference_, triangles[0], sharp_.ends(edge));
+        const bool forward = dot(cross(along, first), reference_.normal(triangles[0])) > 0.0;
+        const int triangle = triangles[forward ? side : 1 - side], patch = reference_.data().patch[triangle];
+        Vec3 p = at + far * away(reference_, triangle, sharp_.ends(edge));
+        const Foot on = reference_.nearest(p, patch);
+        if (on.distance > off * far || grid_.crowded(on.point, kApart * size))
+            return std::nullopt;
+        reference_.to_patch(p, on);
+        return Place{p, patch, size};
+    }
+
+    void add(const Place &place) {
+        grid_.add(place.point, kApart * place.size);
+        cloud_.add(place.point, Stratum::patch, place.patch, place.size);
+        cloud_.held.back() = Hold::relaxation;
+    }
+
+  private:
+    static constexpr double kApart = 0.4; // of the size, from other points
+
+    Cloud &cloud_;
+    const Reference &reference_;
+    const SharpEdges &sharp_;
+    PointGrid grid_;
+};
+
+/// A step of a chain along a sharp crease, and whether a corner is at either end.
+struct Step {
+    Vec3 from, to;
+    double size;
+    bool first, last;
+};
+
+template <class Visit>
+void each_step(Cloud &cloud, const Reference &reference, const SharpEdges &sharp, const Visit &visit) {
     const auto chains = curve_chains(cloud, reference);
     for (int c = 0; c < static_cast<int>(chains.size()); ++c) {
         if (!sharp.of_curve(c))
@@ -74,24 +95,74 @@ void seed_rows(Cloud &cloud, const Reference &reference, const SharpEdges &sharp
             cloud.held[stop.point] = Hold::relaxation;
         for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
             const int a = chains[c][k].point, b = chains[c][k + 1].point;
-            const Vec3 from = cloud.points[a], to = cloud.points[b];
-            const double size = 0.5 * (cloud.size[a] + cloud.size[b]);
-            const auto &shares = !closed && k == 0                      ? form.first
-                                 : !closed && k + 2 == chains[c].size() ? form.last
-                                                                        : form.between;
-            for (int row = 0; row < 2; ++row)
-                stand((1.0 - shares[row]) * from + shares[row] * to, to - from, size, row);
+            visit(Step{cloud.points[a], cloud.points[b], 0.5 * (cloud.size[a] + cloud.size[b]), !closed && k == 0,
+                       !closed && k + 2 == chains[c].size()});
         }
     }
+}
+
+Vec3 within(const Step &step, double share) {
+    return (1.0 - share) * step.from + share * step.to;
+}
+
+void seed_over_inside(Cloud &cloud, const Reference &reference, const Sizing &sizing) {
+    constexpr double widest = 0.85; // blunter edges do as well without: 50 degrees
+    const SharpEdges &sharp = sizing.sharp();
+    if (sharp.empty())
+        return;
+    RowPlacer rows(cloud, reference, sharp);
+    each_step(cloud, reference, sharp, [&](const Step &step) {
+        const auto &shares = step.first ? kFirst : step.last ? kLast : kBetween;
+        for (int side = 0; side < 2; ++side) {
+            const Vec3 at = within(step, shares[side]);
+            const SharpFoot foot = sharp.nearest(at, step.size);
+            if (foot.edge < 0 || sharp.narrow(foot.edge) > widest)
+                continue;
+            if (const auto place =
+                    rows.beside(at, foot.edge, step.to - step.from, step.size, side, sizing.clearance(foot)))
+                rows.add(*place);
+        }
+    });
+}
+
+void seed_over_outside(Cloud &cloud, const Reference &reference, const Sizing &sizing) {
+    constexpr double height = 0.87; // of a row, in steps
+    constexpr double apart = 0.9;   // how far the sides are from where no row is needed any more, in steps
+    const SharpEdges &sharp = sizing.notches();
+    if (sharp.empty())
+        return;
+    RowPlacer rows(cloud, reference, sharp);
+    each_step(cloud, reference, sharp, [&](const Step &step) {
+        const double length = norm(step.to - step.from);
+        for (int row = 1;; ++row) {
+            if (row % 2 == 0 && step.last)
+                continue; // the crease that leaves the corner has a point there
+            const double share = row % 2 == 0 ? 1.0
+                                 : step.first ? kMirroredFirst
+                                 : step.last  ? kMirroredLast
+                                              : kMirroredBetween;
+            const Vec3 at = within(step, share);
+            const SharpFoot foot = sharp.nearest(at, step.size);
+            if (foot.edge < 0 || sharp.narrow(foot.edge) < Sizing::kNarrowest ||
+                row * height * sharp.narrow(foot.edge) > apart)
+                break;
+            const auto put = [&](int side) {
+                return rows.beside(at, foot.edge, step.to - step.from, step.size, side, row * height * length);
+            };
+            const auto one = put(0), other = put(1); // both before either: they may be close to each other
+            if (!one || !other)
+                continue;
+            rows.add(*one);
+            rows.add(*other);
+        }
+    });
 }
 
 } // namespace
 
 void seed_sharp_rows(Cloud &cloud, const Reference &reference, const Sizing &sizing) {
-    seed_rows(cloud, reference, sizing.sharp(), kInside,
-              [&](const SharpFoot &foot, double) { return sizing.clearance(foot); });
-    seed_rows(cloud, reference, sizing.notches(), kOutside,
-              [](const SharpFoot &, double step) { return kHeight * step; });
+    seed_over_inside(cloud, reference, sizing);
+    seed_over_outside(cloud, reference, sizing);
 }
 
 void clear_sharp(Cloud &cloud, const Sizing &sizing) {

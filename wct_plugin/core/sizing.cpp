@@ -215,9 +215,8 @@ SharpFoot Sizing::closing(const SharpEdges &edges, const Vec3 &p, double width, 
 }
 
 bool Sizing::notched(const Vec3 &p, double gap) const {
-    constexpr double narrowest = 0.44; // 2 sin(half the angle), 25 degrees
-    const SharpFoot foot = closing(notches_, p, gap, narrowest);
-    return foot.edge >= 0 && notches_.narrow(foot.edge) > narrowest;
+    const SharpFoot foot = closing(notches_, p, gap, kNarrowest);
+    return foot.edge >= 0 && notches_.narrow(foot.edge) > kNarrowest;
 }
 
 bool Sizing::tapered(const Vec3 &p, double thickness) const {
