@@ -141,13 +141,12 @@ void seed_over_outside(Cloud &cloud, const Reference &reference, const Sizing &s
                                  : step.first ? kMirroredFirst
                                  : step.last  ? kMirroredLast
                                               : kMirroredBetween;
-            const Vec3 at = within(step, share);
-            const SharpFoot foot = sharp.nearest(at, step.size);
+            const SharpFoot foot = sharp.nearest(within(step, share), step.size);
             if (foot.edge < 0 || sharp.narrow(foot.edge) < Sizing::kNarrowest ||
                 row * height * sharp.narrow(foot.edge) > apart)
                 break;
             const auto put = [&](int side) {
-                return rows.beside(at, foot.edge, step.to - step.from, step.size, side, row * height * length);
+                return rows.beside(foot.point, foot.edge, step.to - step.from, step.size, side, row * height * length);
             };
             const auto one = put(0), other = put(1); // both before either: they may be close to each other
             if (!one || !other)
