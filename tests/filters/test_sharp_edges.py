@@ -30,11 +30,8 @@ def notch(degrees, n):
         tets.append(cube.tets[own] + len(cube.points) * len(parts))
         parts.append(points)
     points, tets = np.concatenate(parts), np.concatenate(tets)
-    used = np.unique(tets)
-    _, first, same = np.unique(points[used].round(9), axis=0, return_index=True, return_inverse=True)
-    number = np.empty(len(points), dtype=np.int64)
-    number[used] = same.ravel()
-    return TetMesh(points[used][first] @ rotation(3).T, number[tets])
+    _, first, same = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
+    return TetMesh(points[first] @ rotation(3).T, same.ravel()[tets])
 
 
 def _volume(mesh):

@@ -31,6 +31,13 @@ Vec3 away(const Reference &reference, int triangle, const std::array<int, 2> &ed
     return {};
 }
 
+/// A step of a chain along a sharp crease, and whether a corner is at either end.
+struct Step {
+    Vec3 from, to;
+    double size;
+    bool first, last;
+};
+
 /// Finds places beside sharp edges, and puts points there that stay where they are.
 class RowPlacer {
   public:
@@ -48,18 +55,18 @@ class RowPlacer {
 
     /// Where the point this far from one of the edge is, on the first (0) or second (1) side, if there is room: the
     /// first is the one whose triangles run along the crease as its points do.
-    std::optional<Place> beside(const Vec3 &at, int edge, const Vec3 &along, double size, int side, double far) const {
+    std::optional<Place> beside(const Vec3 &at, int edge, const Step &step, int side, double far) const {
         constexpr double off = 0.3; // farther from its patch than this share of the way, a point is none of it
         const auto &triangles = sharp_.beside(edge);
         const Vec3 first = away(reference_, triangles[0], sharp_.ends(edge));
-        const bool forward = dot(cross(along, first), reference_.normal(triangles[0])) > 0.0;
+        const bool forward = dot(cross(step.to - step.from, first), reference_.normal(triangles[0])) > 0.0;
         const int triangle = triangles[forward ? side : 1 - side], patch = reference_.data().patch[triangle];
         Vec3 p = at + far * away(reference_, triangle, sharp_.ends(edge));
         const Foot on = reference_.nearest(p, patch);
-        if (on.distance > off * far || grid_.crowded(on.point, kApart * size))
+        if (on.distance > off * far || grid_.crowded(on.point, kApart * step.size))
             return std::nullopt;
         reference_.to_patch(p, on);
-        return Place{p, patch, size};
+        return Place{p, patch, step.size};
     }
 
     void add(const Place &place) {
@@ -75,13 +82,6 @@ class RowPlacer {
     const Reference &reference_;
     const SharpEdges &sharp_;
     PointGrid grid_;
-};
-
-/// A step of a chain along a sharp crease, and whether a corner is at either end.
-struct Step {
-    Vec3 from, to;
-    double size;
-    bool first, last;
 };
 
 template <class Visit>
@@ -118,8 +118,7 @@ void seed_over_inside(Cloud &cloud, const Reference &reference, const Sizing &si
             const SharpFoot foot = sharp.nearest(at, step.size);
             if (foot.edge < 0 || sharp.narrow(foot.edge) > widest)
                 continue;
-            if (const auto place =
-                    rows.beside(at, foot.edge, step.to - step.from, step.size, side, sizing.clearance(foot)))
+            if (const auto place = rows.beside(at, foot.edge, step, side, sizing.clearance(foot)))
                 rows.add(*place);
         }
     });
@@ -142,11 +141,11 @@ void seed_over_outside(Cloud &cloud, const Reference &reference, const Sizing &s
                                  : step.last  ? kMirroredLast
                                               : kMirroredBetween;
             const SharpFoot foot = sharp.nearest(within(step, share), step.size);
-            if (foot.edge < 0 || sharp.narrow(foot.edge) < Sizing::kNarrowest ||
+            if (foot.edge < 0 || sharp.narrow(foot.edge) < Sizing::kNarrowestNotch ||
                 row * height * sharp.narrow(foot.edge) > apart)
                 break;
             const auto put = [&](int side) {
-                return rows.beside(foot.point, foot.edge, step.to - step.from, step.size, side, row * height * length);
+                return rows.beside(foot.point, foot.edge, step, side, row * height * length);
             };
             const auto one = put(0), other = put(1); // both before either: they may be close to each other
             if (!one || !other)

@@ -215,8 +215,8 @@ SharpFoot Sizing::closing(const SharpEdges &edges, const Vec3 &p, double width, 
 }
 
 bool Sizing::notched(const Vec3 &p, double gap) const {
-    const SharpFoot foot = closing(notches_, p, gap, kNarrowest);
-    return foot.edge >= 0 && notches_.narrow(foot.edge) > kNarrowest;
+    const SharpFoot foot = closing(notches_, p, gap, kNarrowestNotch);
+    return foot.edge >= 0 && notches_.narrow(foot.edge) > kNarrowestNotch;
 }
 
 bool Sizing::tapered(const Vec3 &p, double thickness) const {

@@ -42,7 +42,7 @@ inline constexpr double kCellPerEdge = 1.0 / 1.05;
 class Sizing {
   public:
     /// Gaps outside limit sizes, but for those whose sides meet at no less than this: 2 sin of half of 11 degrees.
-    static constexpr double kNarrowest = 0.2;
+    static constexpr double kNarrowestNotch = 0.2;
 
     /// `wanted`: edge length per input point; empty: the input's own.
     Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
