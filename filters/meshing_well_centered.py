@@ -24,12 +24,13 @@ from wct_plugin.quality import Quality
 from wct_plugin.reasons import facets
 from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
-from wct_plugin.released import released
+from wct_plugin.released import released, without
 from wct_plugin.remaining import remaining
 from wct_plugin.renewal import Renewal
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 from wct_plugin.starts import Start
+from wct_plugin.stitching import stitched
 from wct_plugin.surface import find_rows, pinched, strata, surface_edges
 from wct_plugin.transfer import carry, resampled
 
@@ -308,22 +309,33 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     ) -> "list[SearchedArrays]":
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
-        Where that is in few places, the rest of it stays.
+        Where that is in few places, the rest of it stays, and creases that it gave up stay so.
         """
         tried, finer = [], Finer.nowhere()
         worth = _WORTH["move"] * self.options.effort
+        gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
+
+        def kept(without_these: Ints) -> Reference:
+            return without(reference, without_these, mesh.nodes.vertices.ravel())
+
         while True:
-            found = self._search(mesh, start, reference, tolerance, listen, worth)
+            found = self._search(mesh, start, kept(gone), tolerance, listen, worth)
+            found["released"] = np.union1d(gone, found["released"])
             tried.append(found)
             if found["bad"] == 0 or listen.stopped or worth == np.inf:
                 return tried
             best = _best(tried)
             vain = len(tried) - 1 - [one["bad"] for one in tried].index(best["bad"])
             finer = finer.about(best["points"][best["tets"][best["stuck"]]])
-            renewal = Renewal.of(best, vain)
-            again = self._resample(mesh, reference, tolerance, size, listen, finer, renewal, len(tried))
-            if again is None and renewal is not None:
+            again = None
+            if renewal := Renewal.of(best, vain):
+                on = kept(best["released"])
+                again = self._resample(mesh, on, tolerance, size, listen, finer, renewal, len(tried))
+            if again is not None:
+                gone = best["released"]
+            else:
                 again = self._resample(mesh, reference, tolerance, size, listen, finer, None, len(tried))
+                gone = gone if again is None else gone[:0]
             if again is None or len(tried) == _FINER:  # nothing else is left to try
                 worth = np.inf
             start = again or start
@@ -339,7 +351,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         renewal: Renewal | None = None,
         attempt: int = 0,
     ) -> Start | None:
-        """The relaxed lattice start, or None where it does not represent the domain."""
+        """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain."""
         options = self.options
         found = _core.resample(
             reference.points,
@@ -366,14 +378,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             progress=listen.resample,
         )
         stratum = found["stratum"]
-        touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
-        if not found["intact"] or (stratum[touching] < 3).any():
-            return None
-        if len(touching):
-            own_pinches = pinched(reference.strata.triangles, len(reference.points))
-            if not own_pinches[found["label"][touching]].all():
-                return None
-        return {
+        start: Start = {
             "points": found["points"],
             "tets": found["tets"],
             "regions": found["region"],
@@ -385,6 +390,16 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             "creases": found["creases"],
             "crease_curve": found["crease_curve"],
         }
+        if renewal is not None:
+            return stitched(start, found["lost"], renewal.old)
+        touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
+        if not found["intact"] or (stratum[touching] < 3).any():
+            return None
+        if len(touching):
+            own_pinches = pinched(reference.strata.triangles, len(reference.points))
+            if not own_pinches[found["label"][touching]].all():
+                return None
+        return start
 
     def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
         """The mesh, or its inside filled anew: whichever has the smaller share of bad tets."""

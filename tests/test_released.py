@@ -6,7 +6,7 @@ from builders import kuhn_cube
 
 from wct_plugin import apply_filter
 from wct_plugin.reference import own_boundary
-from wct_plugin.released import describe, released
+from wct_plugin.released import describe, released, without
 from wct_plugin.report import make_report
 
 
@@ -34,3 +34,30 @@ def test_the_report_says_so():
 def test_a_cube_keeps_its_creases():
     _, metrics = apply_filter("meshing_well_centered", kuhn_cube(3))
     assert metrics["released"] == {"creases": 0, "length": 0.0}
+
+
+def test_the_surface_without_creases():
+    mesh = kuhn_cube(3)
+    own = own_boundary(mesh, 40.0)
+    old = own.strata
+    one = without(own, old.curve[:1], np.empty(0, dtype=np.int64))
+    gone = old.curve == old.curve[0]
+    joined = np.unique(old.patch[(np.isin(old.triangles, old.segments[gone]).sum(axis=1) == 2)])
+    assert len(one.strata.segments) == len(old.segments) - gone.sum()
+    assert len(np.unique(one.strata.patch)) == 5
+    assert set(np.unique(one.strata.patch)) < set(np.unique(old.patch))
+    assert len(joined) >= 2
+    assert np.array_equal(one.corners, own.corners)  # two other creases meet at each end
+    assert len(one.sides) == len(own.sides)
+    inner = np.setdiff1d(old.segments[gone], own.corners)
+    assert (one.strata.stratum[inner] == 1).all()
+    assert np.isin(one.strata.label[inner], one.strata.patch).all()
+
+
+def test_corners_without_creases_are_none_but_for_those_that_are_kept():
+    mesh = kuhn_cube(3)
+    own = own_boundary(mesh, 40.0)
+    smooth = without(own, np.unique(own.strata.curve), own.corners[:2])
+    assert np.array_equal(smooth.corners, own.corners[:2])
+    assert np.unique(smooth.strata.patch).tolist() == [own.strata.patch.min()]
+    assert without(own, own.strata.curve[:0], own.corners[:0]) is own

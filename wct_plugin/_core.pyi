@@ -157,6 +157,8 @@ class ResampledArrays(SurfaceArrays):
     intact: bool
     """No such points but corners, no facet that cuts across from one planar patch to another, and the Euler
     characteristic of every region as in the mesh."""
+    lost: NDArray[np.int64]
+    """Points where the domain is not represented, but for corners; -1 for one of no tet."""
     stats: dict[str, Any]
 
 class SearchedArrays(SurfaceArrays):
@@ -238,8 +240,8 @@ def resample(
     -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
     ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
     point, else the mesh's own local one. ``finer_at`` (k, 3), ``finer_size`` (k,): edges are no longer than this round
-    these places. ``kept_points`` (k, 3), ``kept_stratum``, ``kept_label`` (k,): the points of a mesh but for corners,
-    with the patch, curve or, inside, region of each; they stay, but for those within ``anew_radius`` (z,) of
+    these places. ``kept_points`` (k, 3), ``kept_stratum``, ``kept_label`` (k,): the points of a mesh, with the
+    patch, curve, surface point or, inside, region of each; they stay, but for those within ``anew_radius`` (z,) of
     ``anew_at`` (z, 3), and what is beside moves. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long
     edges beside a gap outside may be, in widths of the gap.
 
@@ -357,8 +359,8 @@ def search_well_centered(
     :func:`move_vertices`, ``label`` (that of a corner is its surface point, or -1: stays) and ``size``, the edge length
     wanted there; ``facets`` (k, 3), the boundary and whatever lies on a patch inside, ``facet_patch`` (k,), ``creases``
     (c, 2), ``crease_curve`` (c,). The surface to stay near: ``surface_points`` (p, 3), ``surface_triangles`` (t, 3),
-    ``surface_patch`` (t,), ``surface_segments`` (s, 2), ``surface_curve`` (s,); patches and curves count from 0 without
-    gaps.
+    ``surface_patch`` (t,), ``surface_segments`` (s, 2), ``surface_curve`` (s,); patches and curves count from 0, and
+    numbers may be left out.
 
     Facets and surface stay within ``tolerance``, a length, of each other, or come nearer where they were farther apart;
     planar patches and straight creases are kept exactly, unless they are smaller than 28 tolerances and 3 % of the
@@ -379,6 +381,9 @@ def closest_points(
     threads: int = 0,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
     """Nearest points (q, 3) of a triangle surface, the triangles (q,) they lie on and the distances (q,)."""
+
+def euler_characteristics(tets: NDArray[np.int64], region: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets."""
 
 def farthest_sample(
     points: NDArray[np.float64],

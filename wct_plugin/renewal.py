@@ -29,19 +29,20 @@ class Renewal(NamedTuple):
     label: Ints
     at: Floats
     radius: Floats
+    old: "SearchedArrays"  #: where they are from
 
     @classmethod
     def of(cls, found: "SearchedArrays", vain: int) -> Self | None:
-        """A search's result, to be made anew where it is stuck; None where too much of it is, or creases are gone.
+        """A search's result, to be made anew where it is stuck; None where too much of it is.
 
         ``vain``: how often that has brought nothing.
         """
         tets, stuck = found["tets"], found["stuck"]
-        if len(stuck) > _FEW * len(tets) or len(found["released"]):
+        if len(stuck) > _FEW * len(tets):
             return None
         region = np.empty(len(found["points"]), dtype=np.int64)
         region[tets.ravel()] = np.repeat(found["regions"], 4)
-        keep = found["stratum"] < 3  # corners belong to the surface
+        keep = (found["stratum"] < 3) | (found["label"] >= 0)  # but for corners that do not move anyway
         at, edge = middles(found["points"][tets[stuck]])
         return cls(
             found["points"][keep],
@@ -49,4 +50,5 @@ class Renewal(NamedTuple):
             np.where(found["stratum"] > 0, found["label"], region)[keep],
             at,
             _RADIUS * _GROWTH**vain * edge,
+            found,
         )

@@ -93,21 +93,44 @@ def test_what_belongs_together_is_asked_for(right):
         part = {key: value for key, value in whole.items() if key != name}
         with pytest.raises(ValueError, match="anew_at and anew_radius go together"):
             _core.resample(**given, tolerance=1e-3, **part)
-    corner = np.full_like(whole["kept_stratum"], 3)
-    with pytest.raises(ValueError, match="kept_stratum holds 3; allowed are"):
-        _core.resample(**given, tolerance=1e-3, **{**whole, "kept_stratum": corner})
+    wrong = np.full_like(whole["kept_stratum"], 4)
+    with pytest.raises(ValueError, match="kept_stratum holds 4; allowed are"):
+        _core.resample(**given, tolerance=1e-3, **{**whole, "kept_stratum": wrong})
 
 
-def test_a_result_with_few_stuck_tets_is_kept_but_for_its_corners(right):
+def test_corners_that_were_moved_stay_so(right):
+    given, found = right
+    corner = np.flatnonzero((found["stratum"] == 3) & (found["points"] == 1.0).all(axis=1))
+    moved = {**found, "points": found["points"].copy()}
+    moved["points"][corner] -= 1e-4
+    asked = arguments(moved, [9.0, 9.0, 9.0], 0.1)
+    back = _core.resample(**given, tolerance=1e-3, **asked)
+    assert (back["points"] == 1.0).all(axis=1).any()  # left out: where the surface has it
+    for name, values in (
+        ("points", moved["points"][corner]),
+        ("stratum", np.array([3])),
+        ("label", moved["label"][corner]),
+    ):
+        asked[f"kept_{name}"] = np.concatenate([asked[f"kept_{name}"], values])
+    kept = _core.resample(**given, tolerance=1e-3, **asked)
+    assert not (kept["points"] == 1.0).all(axis=1).any()
+    at = np.flatnonzero((kept["points"] == 1.0 - 1e-4).all(axis=1))
+    assert kept["stratum"][at].tolist() == [3]
+
+
+def test_a_result_with_few_stuck_tets_is_kept_but_for_its_pinned_corners(right):
     _, found = right
+    corners = np.flatnonzero(found["stratum"] == 3)
+    found = {**found, "label": found["label"].copy()}
+    found["label"][corners[0]] = -1
     stuck = {**found, "stuck": np.array([7])}
     renewal = Renewal.of(stuck, 0)
     assert renewal is not None
-    assert len(renewal.points) == len(found["points"]) - (found["stratum"] == 3).sum()
+    assert len(renewal.points) == len(found["points"]) - 1
+    assert (renewal.stratum == 3).sum() == len(corners) - 1
     assert renewal.at == pytest.approx(found["points"][found["tets"][7]].mean(axis=0)[None])
     assert (renewal.label[renewal.stratum == 0] == 0).all()  # the region
     wider = Renewal.of(stuck, 2)
     assert wider is not None
     assert wider.radius > renewal.radius
     assert Renewal.of({**found, "stuck": np.arange(len(found["tets"]) // 100)}, 0) is None
-    assert Renewal.of({**stuck, "released": np.array([0])}, 0) is None

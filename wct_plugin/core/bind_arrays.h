@@ -98,6 +98,11 @@ inline std::vector<int> numbers_of(const Array &array, std::size_t length, std::
     return numbers_of(array, count, name);
 }
 
+/// A (segments,) array of curve numbers. Some may be left out, but there are no more than edges of a surface.
+inline std::vector<int> curves_of(const Array &array, std::size_t segments, std::size_t triangles, const char *name) {
+    return numbers_of(array, segments, static_cast<std::int64_t>(segments + 3 * triangles), name);
+}
+
 inline std::vector<std::int64_t> labels_of(const Array &array, std::size_t length, const char *name) {
     const auto values = rows<std::int64_t>(array, 0, name);
     expect_length(values.size(), length, name);

@@ -2,6 +2,7 @@
 #include "bind_workers.h"
 #include "bindings.h"
 
+#include "euler.h"
 #include "farthest.h"
 #include "global_stage.h"
 #include "surface_labels.h"
@@ -91,6 +92,7 @@ nb::dict to_python(const GlobalResult &result, const SurfaceLabels &surface) {
     };
     out["exposed"] = flawed(result.flaws.exposed);
     out["pinched"] = flawed(result.flaws.pinched);
+    out["lost"] = flawed(result.lost);
     out["intact"] = result.intact;
     nb::dict stats;
     stats["bad"] = result.tally.bad;
@@ -149,6 +151,18 @@ nb::tuple farthest_arrays(const Array &sampled_points, const Array &sampled_tria
     return nb::make_tuple(found.distance, nb::make_tuple(found.at.x, found.at.y, found.at.z));
 }
 
+/// Of each region.
+nb::object euler_arrays(const Array &tets, const Array &region) {
+    const auto cells = cells_of<4>(tets, std::numeric_limits<std::int32_t>::max(), "tets");
+    const std::vector<int> of = numbers_of(region, cells.size(), std::int64_t{1} << 30, "region");
+    std::vector<int> out;
+    {
+        nb::gil_scoped_release release;
+        out = euler_characteristics(cells, of);
+    }
+    return array_of<std::int64_t>(out);
+}
+
 /// Principal curvatures per triangle corner.
 nb::object curvature_arrays(const Array &surface_points, const Array &triangles, const Array &patch) {
     SurfaceData surface;
@@ -196,7 +210,7 @@ std::vector<SizeLimit> limits_of(const std::optional<Array> &at, const std::opti
     return places_of<SizeLimit>(*at, "finer_at", *size, "finer_size");
 }
 
-/// A mesh's points but for corners, and where it is made anew.
+/// A mesh's points, and where it is made anew.
 std::optional<Renewal> renewal_of(const std::optional<Array> &points, const std::optional<Array> &stratum,
                                   const std::optional<Array> &label, const std::optional<Array> &anew_at,
                                   const std::optional<Array> &anew_radius) {
@@ -205,8 +219,8 @@ std::optional<Renewal> renewal_of(const std::optional<Array> &points, const std:
     if (!points || !stratum || !label || !anew_at || !anew_radius)
         refuse("kept_points, kept_stratum, kept_label, anew_at and anew_radius go together");
     const std::vector<Vec3> at = points_of(*points, "kept_points");
-    const auto corner = static_cast<std::int64_t>(Stratum::corner);
-    const std::vector<int> role = numbers_of(*stratum, at.size(), corner, "kept_stratum");
+    const auto strata = static_cast<std::int64_t>(Stratum::corner) + 1;
+    const std::vector<int> role = numbers_of(*stratum, at.size(), strata, "kept_stratum");
     const std::vector<int> labels =
         numbers_of(*label, at.size(), std::numeric_limits<std::int32_t>::max(), "kept_label");
     Cloud mesh;
@@ -228,8 +242,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
     surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
-    surface.curve =
-        numbers_of(curve, surface.segments.size(), static_cast<std::int64_t>(surface.segments.size()), "curve");
+    surface.curve = curves_of(curve, surface.segments.size(), surface.triangles.size(), "curve");
     surface.corners = numbers_of(corners, static_cast<std::int64_t>(surface.points.size()), "corners");
     const InputMesh mesh = mesh_of(points, tets, region);
     if (surface.triangles.empty() || mesh.tets.empty())
@@ -280,8 +293,7 @@ void bind_global(nb::module_ &m) {
         "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
         "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
         "one. finer_at (k, 3), finer_size (k,): edges are no longer than this round these places.\n"
-        "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points but for corners, with the patch, curve "
-        "or,\n"
+        "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"
         "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). progress(done, bad) "
         "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap.\n\n"
@@ -291,11 +303,13 @@ void bind_global(nb::module_ &m) {
         "where\n"
         "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
         "across from one planar patch to another, the creases of those have no gaps, and the Euler characteristic of\n"
-        "every region is as in the mesh;\n"
+        "every region is as in the mesh; lost: points where the domain is not represented, but for corners;\n"
         "stats. The same input and seed give the same bits.");
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
           nb::arg("threads") = 0,
           "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
+    m.def("euler_characteristics", &euler_arrays, nb::arg("tets"), nb::arg("region"),
+          "Euler characteristic of each region: vertices - edges + facets - tets.");
     m.def("farthest_sample", &farthest_arrays, nb::arg("points"), nb::arg("triangles"), nb::arg("step"),
           nb::arg("surface_points"), nb::arg("surface_triangles"), nb::arg("threads") = 0,
           "Distance and place of the sample of one triangle surface that is farthest from another.");

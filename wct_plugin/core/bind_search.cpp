@@ -18,15 +18,19 @@ namespace wct {
 
 namespace {
 
-/// Labels count from 0 without gaps: each names a piece of the surface. Returns how many there are.
-std::int64_t pieces(const std::vector<int> &labels, const char *name) {
-    std::vector<int> sorted = labels;
-    std::sort(sorted.begin(), sorted.end());
-    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-    for (std::size_t k = 0; k < sorted.size(); ++k)
-        if (sorted[k] != static_cast<int>(k))
-            refuse(std::string(name) + " leaves out " + std::to_string(k) + "; it must count from 0 without gaps");
-    return static_cast<std::int64_t>(sorted.size());
+/// Which numbers name a piece of the surface: some may be left out.
+std::vector<std::uint8_t> pieces(const std::vector<int> &labels) {
+    std::vector<std::uint8_t> there(labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1, 0);
+    for (const int label : labels)
+        there[label] = 1;
+    return there;
+}
+
+/// Each label names one of the pieces.
+void expect_pieces(const std::vector<int> &labels, const std::vector<std::uint8_t> &pieces, const char *name) {
+    for (const int label : labels)
+        if (!pieces[label])
+            refuse(std::string(name) + " holds " + std::to_string(label) + ", of which the surface has no piece");
 }
 
 template <std::size_t n> std::string text(const std::array<int, n> &cell) {
@@ -154,9 +158,10 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     const auto patch =
         numbers_of(surface_patch, triangles.size(), static_cast<std::int64_t>(triangles.size()), "surface_patch");
     const auto segments = cells_of<2>(surface_segments, on.size(), "surface_segments");
-    const auto curve =
-        numbers_of(surface_curve, segments.size(), static_cast<std::int64_t>(segments.size()), "surface_curve");
-    const std::int64_t patches = pieces(patch, "surface_patch"), curves = pieces(curve, "surface_curve");
+    const auto curve = curves_of(surface_curve, segments.size(), triangles.size(), "surface_curve");
+    const std::vector<std::uint8_t> has_patch = pieces(patch), has_curve = pieces(curve);
+    const auto patches = static_cast<std::int64_t>(has_patch.size());
+    const auto curves = static_cast<std::int64_t>(has_curve.size());
 
     const auto at = points_of(points);
     const auto cells = cells_of<4>(tets, at.size(), "tets");
@@ -166,8 +171,10 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     const auto wanted = sizes_of(size, at.size(), "size");
     const auto sheet = cells_of<3>(facets, at.size(), "facets");
     const auto sheet_patch = numbers_of(facet_patch, sheet.size(), patches, "facet_patch");
+    expect_pieces(sheet_patch, has_patch, "facet_patch");
     const auto edges = cells_of<2>(creases, at.size(), "creases");
     const auto edge_curve = numbers_of(crease_curve, edges.size(), curves, "crease_curve");
+    expect_pieces(edge_curve, has_curve, "crease_curve");
     for (std::size_t v = 0; v < at.size(); ++v) {
         const std::int64_t count = role[v] == Stratum::patch    ? patches
                                    : role[v] == Stratum::crease ? curves
@@ -179,6 +186,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                    (role[v] == Stratum::patch    ? " patches"
                     : role[v] == Stratum::crease ? " curves"
                                                  : " surface_points"));
+        if (role[v] == Stratum::patch || role[v] == Stratum::crease)
+            expect_pieces({owner[v]}, role[v] == Stratum::patch ? has_patch : has_curve, "label");
     }
     expect_conforming(at, cells, sheet, edges);
     std::vector<int> hopeless;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -16,6 +17,30 @@ namespace wct {
 /// Closest point on a segment (two corners) or triangle (three).
 Vec3 closest_on(const std::array<Vec3, 2> &segment, const Vec3 &x);
 Vec3 closest_on(const std::array<Vec3, 3> &triangle, const Vec3 &x);
+
+/// What tells where a point lies over a triangle: the weights of the second and third corner at its projection are dot
+/// products. Not numbers where the triangle is flat.
+struct TriangleFrame {
+    Vec3 second, third, normal;
+
+    explicit TriangleFrame(const std::array<Vec3, 3> &c) {
+        const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], n = cross(ab, ac);
+        const double scale = 1.0 / dot(n, n);
+        second = scale * cross(ac, n);
+        third = scale * cross(n, ab);
+        normal = std::sqrt(scale) * n;
+    }
+};
+/// The same with the triangle's frame at hand. Mostly a point lies over the inside of the triangle that it is near;
+/// this is cheap to see.
+inline Vec3 closest_on(const std::array<Vec3, 3> &triangle, const TriangleFrame &frame, const Vec3 &x) {
+    constexpr double on_side = -1e-9; // of the height over a side: a point over the side is over the triangle
+    const Vec3 d = x - triangle[0];
+    const double u = dot(d, frame.second), v = dot(d, frame.third);
+    if (u >= on_side && v >= on_side && u + v <= 1.0 - on_side)
+        return x - dot(d, frame.normal) * frame.normal;
+    return closest_on(triangle, x);
+}
 
 /// A tree of bounding boxes over segments (corners = 2) or triangles (corners = 3), for closest points.
 template <std::size_t corners> class BoundingTree {
@@ -32,7 +57,7 @@ template <std::size_t corners> class BoundingTree {
             split(0, static_cast<std::int32_t>(pieces_.size()));
         if constexpr (corners == 3)
             for (const Piece &piece : pieces_)
-                frames_.push_back(frame_of(piece));
+                frames_.emplace_back(piece);
         find_neighbours();
     }
 
@@ -92,33 +117,41 @@ template <std::size_t corners> class BoundingTree {
         std::int32_t neighbour;
     };
     Exit exit(std::int32_t piece, const Vec3 &a, const Vec3 &along) const {
-        Exit first{std::numeric_limits<double>::infinity(), -1};
         const Piece &c = pieces_[static_cast<std::size_t>(piece)];
-        for (std::size_t i = 0; i < corners; ++i) {
-            const Vec3 &base = c[(i + 1) % corners];
-            Vec3 inward = c[i] - base;
-            if constexpr (corners == 3)
-                inward = cross(cross(c[1] - c[0], c[2] - c[0]), c[(i + 2) % 3] - base);
-            const double rate = dot(inward, along);
-            if (!(rate < 0.0))
-                continue;
-            const double t = dot(inward, base - a) / rate;
-            if (t < first.t)
-                first = {t, neighbours_[static_cast<std::size_t>(piece)][i]};
+        const auto &neighbours = neighbours_[static_cast<std::size_t>(piece)];
+        // Weights of the corners at a, and how they grow along the way; the one of a corner is 0 on the side opposite.
+        std::array<double, corners> weight, rate;
+        if constexpr (corners == 3) {
+            const TriangleFrame &frame = frames_[static_cast<std::size_t>(piece)];
+            const Vec3 d = a - c[0];
+            weight = {0.0, dot(d, frame.second), dot(d, frame.third)};
+            rate = {0.0, dot(along, frame.second), dot(along, frame.third)};
+            weight[0] = 1.0 - weight[1] - weight[2];
+            rate[0] = -rate[1] - rate[2];
+        } else {
+            const Vec3 whole = c[1] - c[0];
+            const double scale = 1.0 / dot(whole, whole);
+            weight[1] = scale * dot(a - c[0], whole);
+            rate[1] = scale * dot(along, whole);
+            weight[0] = 1.0 - weight[1];
+            rate[0] = -rate[1];
         }
+        Exit first{std::numeric_limits<double>::infinity(), -1};
+        for (std::size_t i = 0; i < corners; ++i)
+            if (rate[i] < 0.0)
+                if (const double t = -weight[i] / rate[i]; t < first.t)
+                    first = {t, neighbours[i]};
         return first;
     }
 
-    /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first, then the way downhill
-    /// from there.
-    std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
+    /// The way from `guess` to neighbours that are nearer to x: where it ends, or comes within this squared distance.
+    std::int32_t downhill(const Vec3 &x, double distance, std::int32_t guess) const {
         const auto square = [&](std::int32_t piece) {
             const Vec3 to = gap(piece, x);
             return dot(to, to);
         };
-        for (double best = square(guess), before = std::numeric_limits<double>::infinity(); best < before;) {
-            if (best <= distance)
-                return guess;
+        for (double best = square(guess), before = std::numeric_limits<double>::infinity();
+             best < before && best > distance;) {
             before = best;
             for (const std::int32_t other : neighbours_[static_cast<std::size_t>(guess)])
                 if (other >= 0)
@@ -127,6 +160,15 @@ template <std::size_t corners> class BoundingTree {
                         guess = other;
                     }
         }
+        return guess;
+    }
+
+    /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first, then the way downhill
+    /// from there.
+    std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
+        guess = downhill(x, distance, guess);
+        if (reaches(guess, x, distance))
+            return guess;
         std::array<std::int32_t, 64> stack;
         std::size_t size = 0;
         stack[size++] = 0;
@@ -164,28 +206,12 @@ template <std::size_t corners> class BoundingTree {
         }
     };
 
-    /// What tells where a point lies over a triangle: its coordinates along two sides are dot products. Not a number
-    /// where the triangle is flat.
-    struct Frame {
-        Vec3 along_first, along_second, normal;
-    };
-    static Frame frame_of(const Piece &c) {
-        const Vec3 first = c[1] - c[0], second = c[2] - c[0], n = cross(first, second);
-        const double square = dot(n, n);
-        return {(1.0 / square) * cross(second, n), (1.0 / square) * cross(n, first), (1.0 / std::sqrt(square)) * n};
-    }
-
-    /// Mostly a point lies over the inside of the triangle that it is near; this is cheap to see.
     Vec3 closest_of(std::int32_t piece, const Vec3 &x) const {
         const Piece &c = pieces_[static_cast<std::size_t>(piece)];
-        if constexpr (corners == 3) {
-            const Frame &frame = frames_[static_cast<std::size_t>(piece)];
-            const Vec3 d = x - c[0];
-            const double u = dot(d, frame.along_first), v = dot(d, frame.along_second);
-            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0)
-                return x - dot(d, frame.normal) * frame.normal;
-        }
-        return closest_on(c, x);
+        if constexpr (corners == 3)
+            return closest_on(c, frames_[static_cast<std::size_t>(piece)], x);
+        else
+            return closest_on(c, x);
     }
 
     /// Pieces that share all corners but one.
@@ -264,7 +290,7 @@ template <std::size_t corners> class BoundingTree {
     }
 
     std::vector<Piece> pieces_;
-    std::vector<Frame> frames_; // of triangles
+    std::vector<TriangleFrame> frames_; // of triangles
     std::vector<Node> nodes_;
     std::vector<std::array<std::int32_t, corners>> neighbours_; // of each piece; -1: none
 };

@@ -43,6 +43,15 @@ void Cloud::keep(const std::vector<char> &which) {
     held.resize(to);
 }
 
+void Cloud::append(const Cloud &other) {
+    points.insert(points.end(), other.points.begin(), other.points.end());
+    role.insert(role.end(), other.role.begin(), other.role.end());
+    label.insert(label.end(), other.label.begin(), other.label.end());
+    size.insert(size.end(), other.size.begin(), other.size.end());
+    near.insert(near.end(), other.near.begin(), other.near.end());
+    held.insert(held.end(), other.held.begin(), other.held.end());
+}
+
 std::vector<int> patches_of(const Cloud &cloud, const Reference &reference, int point) {
     switch (cloud.role[point]) {
     case Stratum::patch:

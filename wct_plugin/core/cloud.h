@@ -35,6 +35,7 @@ struct Cloud {
         held.push_back(Hold::none);
     }
     void keep(const std::vector<char> &which);
+    void append(const Cloud &other);
 };
 
 /// The patches a point of the cloud belongs to, ascending.

@@ -26,13 +26,12 @@ bool Operators::collapse_links(int a, int b, const Ring &ring) const {
     std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(shared));
     if (shared.size() != ring.link.size())
         return false;
-    std::vector<Facet> facets;
-    std::vector<int> patches;
+    std::vector<TetComplex::SurfaceAt> facets;
     const auto surface_neighbours = [&](int v) {
         std::vector<int> out;
-        complex_.surface_at(v, facets, patches);
-        for (const Facet &facet : facets)
-            for (int w : facet)
+        complex_.surface_at(v, facets);
+        for (const auto &at : facets)
+            for (int w : at.key)
                 if (w != a && w != b)
                     out.push_back(w);
         std::sort(out.begin(), out.end());
@@ -53,8 +52,7 @@ bool Operators::collapse(int a, int b, double slack) {
     const Vertex &gone = complex_.vertex(a);
     if (gone.stratum == Stratum::corner)
         return false;
-    std::vector<Facet> facets;
-    std::vector<int> patches;
+    std::vector<TetComplex::SurfaceAt> facets;
     if (gone.stratum != Stratum::interior) {
         if (gone.stratum == Stratum::crease && complex_.curve_of(a, b) != gone.label)
             return false;
@@ -64,7 +62,7 @@ bool Operators::collapse(int a, int b, double slack) {
             std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
         if (!along || !collapse_links(a, b, ring_))
             return false;
-        complex_.surface_at(a, facets, patches);
+        complex_.surface_at(a, facets);
     }
     const std::vector<int> old = complex_.star(a);
     double before = 0.0;
@@ -92,9 +90,9 @@ bool Operators::collapse(int a, int b, double slack) {
     if (gone.stratum == Stratum::interior && (!ring(a, b, ring_) || !collapse_links(a, b, ring_)))
         return false; // only where the mesh overlaps itself can this be, with all tets positive
     watch_.clear();
-    for (std::size_t k = 0; k < facets.size(); ++k) {
-        Facet facet = facets[k];
-        watch_.goes(facet, patches[k]);
+    for (const auto &at : facets) {
+        Facet facet = at.key;
+        watch_.goes(facet);
         if (facet[0] == b || facet[1] == b || facet[2] == b)
             continue;
         const Vec3 was = cross(complex_.point(facet[1]) - complex_.point(facet[0]),
@@ -106,7 +104,7 @@ bool Operators::collapse(int a, int b, double slack) {
             return false;
         if (complex_.patch_of(facet[0], facet[1], facet[2]) >= 0)
             return false; // two sheets would become one
-        watch_.comes(sorted(facet[0], facet[1], facet[2]), patches[k]);
+        watch_.comes(sorted(facet[0], facet[1], facet[2]), at.facet->patch);
     }
     if (!watch_.allows_replacing())
         return false;

@@ -140,8 +140,8 @@ bool Operators::beyond(int a, int b, int r, int s) const {
 
 bool Operators::allows_swap(int a, int b, int r, int s, int patch) {
     watch_.clear();
-    watch_.goes(sorted(a, b, r), patch);
-    watch_.goes(sorted(a, b, s), patch);
+    watch_.goes(sorted(a, b, r));
+    watch_.goes(sorted(a, b, s));
     watch_.comes(sorted(a, r, s), patch);
     watch_.comes(sorted(b, r, s), patch);
     return watch_.allows_replacing();

@@ -341,7 +341,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         }
         return cloud;
     };
-    for (int trial = 0; curved && trial < form.trials && !monitor.stopped(); ++trial) {
+    const int trials = curved && !renewal ? form.trials : 0; // sizes do where nearly all came right
+    for (int trial = 0; trial < trials && !monitor.stopped(); ++trial) {
         Cloud cloud = relaxed(seeds(), form.trial_sweeps);
         drop_twins(cloud);
         const Complex complex = restricted_delaunay(cloud, reference, map, workers);
@@ -360,9 +361,15 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const auto run = [&] {
         Start best;
         Cloud cloud = seeds();
-        if (renewal)
+        if (renewal) {
             renewal->apply(cloud, sizing);
-        cloud = relaxed(std::move(cloud), form.sweeps);
+            const Cloud far = renewal->split_far(cloud);
+            if (cloud.count() > 0)
+                cloud = relaxed(std::move(cloud), form.sweeps);
+            cloud.append(far);
+        } else {
+            cloud = relaxed(std::move(cloud), form.sweeps);
+        }
         lap("relax");
         Complex complex;
         std::vector<int> touched;
@@ -399,7 +406,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         return best;
     };
     Start best = run();
-    for (int attempt = 0; attempt < form.attempts && !best.intact && !monitor.stopped(); ++attempt) {
+    const int attempts = renewal ? 0 : form.attempts; // where it kept to the old mesh, that may be sound all the same
+    for (int attempt = 0; attempt < attempts && !best.intact && !monitor.stopped(); ++attempt) {
         const std::vector<int> lost = lost_planes(best.cloud, best.complex, reference, tolerance);
         best.touched.insert(best.touched.end(), lost.begin(), lost.end());
         refine(best.cloud, best.touched, reference, sizing);
@@ -408,13 +416,16 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             best = std::move(next);
     }
     const double few = form.few_off * static_cast<double>(surface_facets(best.complex).size());
-    if (best.intact && static_cast<double>(best.off) > few && !monitor.stopped()) {
+    if (!renewal && best.intact && static_cast<double>(best.off) > few && !monitor.stopped()) {
         shrink(measure_deviation(best.cloud, best.complex, reference, workers), sizing, form);
         Start next = run();
         if (next.intact && next.off < best.off)
             best = std::move(next);
     }
     result.stats.emplace_back("off", static_cast<double>(best.off));
+    result.lost = lost_points(best.cloud, best.flaws);
+    const std::vector<int> planes = lost_planes(best.cloud, best.complex, reference, tolerance);
+    result.lost.insert(result.lost.end(), planes.begin(), planes.end());
     result.cloud = std::move(best.cloud);
     result.complex = std::move(best.complex);
     result.flaws = std::move(best.flaws);

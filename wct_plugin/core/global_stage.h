@@ -68,6 +68,7 @@ struct GlobalResult {
     /// No flaws but at corners, no facet far across planes, no gap in their creases, the domain's Euler
     /// characteristics.
     bool intact = false;
+    std::vector<int> lost; // points where it is not, but for corners
     bool stopped = false;
     std::vector<std::pair<std::string, double>> stats;
 };

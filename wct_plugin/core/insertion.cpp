@@ -154,7 +154,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     vertex.stratum = Stratum::patch;
     vertex.label = patch;
     const Facet first = sorted(at[0], at[1], at[2]);
-    vertex.hint = complex_.hints(first)[0];
+    vertex.hint = complex_.facet(first).hints[0];
     for (int w : at)
         vertex.size += complex_.vertex(w).size / 3.0;
     if (!guide_.admit(vertex, vertex.position))
@@ -163,21 +163,18 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     // The facets that make room, across edges that are no creases; an edge of one of them only is on their rim.
     std::vector<Facet> open{first};
     std::vector<Edge> edges;
-    std::vector<Facet> facets;
-    std::vector<int> patches;
+    std::vector<TetComplex::SurfaceAt> facets;
     for (std::size_t k = 0; k < open.size(); ++k)
         for (int i = 0; i < 3; ++i) {
             const Edge edge = sorted(open[k][i], open[k][(i + 1) % 3]);
             edges.push_back(edge);
             if (complex_.curve_of(edge[0], edge[1]) >= 0)
                 continue;
-            complex_.surface_at(edge[0], facets, patches);
-            for (std::size_t n = 0; n < facets.size(); ++n) {
-                const Facet key = sorted(facets[n][0], facets[n][1], facets[n][2]);
-                if (patches[n] == patch && std::find(key.begin(), key.end(), edge[1]) != key.end() &&
+            complex_.surface_at(edge[0], facets);
+            for (const auto &[key, facet] : facets)
+                if (facet->patch == patch && std::find(key.begin(), key.end(), edge[1]) != key.end() &&
                     std::find(open.begin(), open.end(), key) == open.end() && in_facet_sphere(complex_.corners(key), x))
                     open.push_back(key);
-            }
         }
     std::sort(edges.begin(), edges.end());
     std::vector<Edge> rim;
@@ -202,7 +199,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
         return std::nullopt;
     watch_.clear();
     for (const Facet &f : open)
-        watch_.goes(f, patch);
+        watch_.goes(f);
     for (const Edge &e : rim)
         watch_.comes(sorted(e[0], e[1], v), patch);
     if (!watch_.allows_replacing())

@@ -61,10 +61,10 @@ void Kicks::mend_valence(int t) {
     for (int v : tet) {
         if (!complex_.used(v) || complex_.vertex(v).stratum != Stratum::patch)
             continue;
-        complex_.surface_at(v, facets_, patches_);
+        complex_.surface_at(v, facets_);
         if (facets_.size() > few)
             continue;
-        const Facet &facet = facets_[random_.below(static_cast<int>(facets_.size()))];
+        const Facet &facet = facets_[random_.below(static_cast<int>(facets_.size()))].key;
         int i = 0;
         while (facet[i] != v)
             ++i;
@@ -123,10 +123,10 @@ std::optional<int> Kicks::snap(int t) {
 std::optional<Facet> Kicks::worst_facet(int v) {
     std::optional<Facet> worst;
     double most = 0.0;
-    complex_.surface_at(v, facets_, patches_);
-    for (const Facet &f : facets_)
-        if (const Facet key = sorted(f[0], f[1], f[2]); complex_.over(key) > most) {
-            most = complex_.over(key);
+    complex_.surface_at(v, facets_);
+    for (const auto &[key, facet] : facets_)
+        if (facet->over > most) {
+            most = facet->over;
             worst = key;
         }
     return worst;

@@ -68,8 +68,7 @@ class Kicks {
     Repair &repair_;
     Random &random_;
     Agenda agenda_;
-    std::vector<Facet> facets_;
-    std::vector<int> patches_;
+    std::vector<TetComplex::SurfaceAt> facets_;
     std::vector<int> marks_;
     int mark_ = 0;
     std::vector<int> changed_;

@@ -12,7 +12,7 @@ std::optional<Vec3> Operators::farthest(const Facet &key) const {
     std::optional<Vec3> worst;
     double most = guide_.tolerance();
     const std::array<Vec3, 3> corners = complex_.corners(key);
-    for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
+    for (int l = complex_.facet(key).landmark; l >= 0; l = complex_.next_landmark(l)) {
         const Vec3 &point = guide_.landmarks()[l].point;
         const double distance = norm(point - closest_on(corners, point));
         if (distance > most) {
@@ -22,7 +22,7 @@ std::optional<Vec3> Operators::farthest(const Facet &key) const {
     }
     if (worst)
         return worst;
-    SurfaceHints hints = complex_.hints(key);
+    SurfaceHints hints = complex_.facet(key).hints;
     const auto gap = guide_.gap(complex_.patch_of(key[0], key[1], key[2]), corners, hints);
     if (gap.distance <= guide_.tolerance())
         return std::nullopt;
@@ -72,7 +72,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     } else if (!facet_patches.empty()) {
         middle.stratum = Stratum::patch;
         middle.label = facet_patches[0];
-        middle.hint = complex_.hints(sorted(a, b, facet_apices[0]))[0];
+        middle.hint = complex_.facet(sorted(a, b, facet_apices[0])).hints[0];
     }
     if (middle.stratum == Stratum::patch)
         for (int apex : facet_apices)
@@ -96,7 +96,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         return std::nullopt;
     watch_.clear();
     for (std::size_t k = 0; k < facet_apices.size(); ++k) {
-        watch_.goes(sorted(a, b, facet_apices[k]), facet_patches[k]);
+        watch_.goes(sorted(a, b, facet_apices[k]));
         watch_.comes(sorted(a, v, facet_apices[k]), facet_patches[k]);
         watch_.comes(sorted(v, b, facet_apices[k]), facet_patches[k]);
     }

@@ -150,8 +150,7 @@ void Releasing::relabel(const std::vector<std::uint8_t> &gone, const std::vector
             ++(gone[curve] ? freed : held)[v];
 
     TetComplex next;
-    std::vector<Facet> facets;
-    std::vector<int> patches;
+    std::vector<TetComplex::SurfaceAt> facets;
     for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
         const int v = static_cast<int>(k);
         Vertex vertex = complex_.vertex(v);
@@ -159,9 +158,9 @@ void Releasing::relabel(const std::vector<std::uint8_t> &gone, const std::vector
         const bool loose_corner =
             vertex.stratum == Stratum::corner && vertex.label >= 0 && freed[v] && !held[v] && one_sheet[vertex.label];
         if ((vertex.stratum == Stratum::crease && gone[vertex.label]) || loose_corner) {
-            complex_.surface_at(v, facets, patches);
+            complex_.surface_at(v, facets);
             vertex.stratum = Stratum::patch;
-            vertex.label = patches.empty() ? -1 : patches[0];
+            vertex.label = facets.empty() ? -1 : facets[0].facet->patch;
         }
         if (vertex.stratum == Stratum::patch && vertex.label >= 0)
             vertex.label = patch_of[vertex.label];

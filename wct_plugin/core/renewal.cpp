@@ -1,15 +1,21 @@
 #include "renewal.h"
 
+#include <algorithm>
+#include <set>
 #include <utility>
 
 namespace wct {
 
-Renewal::Renewal(Cloud mesh, std::span<const Zone> zones) : mesh_(std::move(mesh)) {
-    // In radii of a zone. Within 2 as few tets come right as before, all free takes longer for nothing.
-    constexpr double beside = 3.0;
+namespace {
+/// As far beside a zone points may move, in its radii. Within 2 as few tets come right as before, all free takes longer
+/// for nothing.
+constexpr double kBeside = 3.0;
+} // namespace
+
+Renewal::Renewal(Cloud mesh, std::span<const Zone> zones) : mesh_(std::move(mesh)), all_(zones.begin(), zones.end()) {
     for (const Zone &zone : zones) { // a grid takes the mean of two radii, and what is asked for has none
         zones_.add(zone.at, 2.0 * zone.radius);
-        beside_.add(zone.at, 2.0 * beside * zone.radius);
+        beside_.add(zone.at, 2.0 * kBeside * zone.radius);
     }
 }
 
@@ -18,19 +24,22 @@ void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
     const auto hold = [&](const Vec3 &p) { return beside_.crowded(p, 0.0) ? Hold::none : Hold::all; };
     Cloud old = mesh_;
     std::vector<char> stays(old.count());
+    std::set<int> corners; // that stay
     PointGrid grid;
     for (std::size_t i = 0; i < old.count(); ++i) {
         stays[i] = !zones_.crowded(old.points[i], 0.0);
         if (!stays[i])
             continue;
+        if (old.role[i] == Stratum::corner)
+            corners.insert(old.label[i]);
         old.size[i] = sizing.at(old.points[i]);
         grid.add(old.points[i], apart * old.size[i]);
     }
     std::vector<char> fresh(cloud.count());
     for (std::size_t i = 0; i < cloud.count(); ++i) {
         const Vec3 &p = cloud.points[i];
-        fresh[i] =
-            cloud.role[i] == Stratum::corner || (zones_.crowded(p, 0.0) && !grid.crowded(p, apart * cloud.size[i]));
+        fresh[i] = cloud.role[i] == Stratum::corner ? !corners.contains(cloud.label[i])
+                                                    : zones_.crowded(p, 0.0) && !grid.crowded(p, apart * cloud.size[i]);
         if (hold(p) == Hold::all)
             cloud.held[i] = Hold::all;
     }
@@ -40,6 +49,21 @@ void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
             cloud.add(old.points[i], old.role[i], old.label[i], old.size[i]);
             cloud.held.back() = hold(old.points[i]);
         }
+}
+
+Cloud Renewal::split_far(Cloud &cloud) const {
+    constexpr double across = 4.0; // sizes from what may move to what is no neighbour, whatever the tets between
+    std::vector<char> near(cloud.count());
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        near[i] = std::any_of(all_.begin(), all_.end(), [&](const Zone &zone) {
+            return norm(cloud.points[i] - zone.at) <= kBeside * zone.radius + across * cloud.size[i];
+        });
+    Cloud far = cloud;
+    cloud.keep(near);
+    for (char &which : near)
+        which = !which;
+    far.keep(near);
+    return far;
 }
 
 } // namespace wct

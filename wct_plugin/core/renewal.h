@@ -18,15 +18,18 @@ class Renewal {
         double radius; // within it all points are new
     };
 
-    /// `mesh`: its points but for corners.
+    /// `mesh`: its points; corners that it leaves out stay where the surface has them.
     Renewal(Cloud mesh, std::span<const Zone> zones);
 
     /// Put the mesh's own points in place of the cloud's outside the zones. Beside the zones they may move, so that old
     /// and new ones find together, elsewhere nothing moves them.
     void apply(Cloud &cloud, const Sizing &sizing) const;
+    /// Take the points out of the cloud that are too far from all zones to be neighbours of one that may move.
+    Cloud split_far(Cloud &cloud) const;
 
   private:
     Cloud mesh_;
+    std::vector<Zone> all_;
     PointGrid zones_;
     PointGrid beside_;
 };

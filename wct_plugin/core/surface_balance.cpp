@@ -35,7 +35,7 @@ std::vector<double> SurfaceBalance::offsets() {
             continue;
         const std::array<Vec3, 3> corners = complex_.corners(key);
         const double here = norm(normal_of(corners));
-        sum[patch] += here * guide_.offset(patch, corners, complex_.hints(key));
+        sum[patch] += here * guide_.offset(patch, corners, complex_.facet(key).hints);
         area[patch] += here;
     }
     for (std::size_t patch = 0; patch < sum.size(); ++patch)

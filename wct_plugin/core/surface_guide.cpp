@@ -46,7 +46,8 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
 
 } // namespace
 
-SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {
+SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing)
+    : tolerance_(tolerance), covered_(kCovered * tolerance) {
     Box box;
     for (const Vec3 &p : surface.points)
         box.add(p);
@@ -181,10 +182,9 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             x = foot + (reach / length) * off;
     };
     const auto clamp = [&](const auto &tree, double reach) {
-        if (const std::int32_t piece = tree.within(x, reach * reach, hint); piece >= 0) {
-            hint = piece;
+        hint = tree.downhill(x, reach * reach, hint);
+        if (tree.reaches(hint, x, reach * reach))
             return;
-        }
         const auto found = tree.closest(x, hint);
         hint = found.piece;
         pull_to(found.point, reach);
@@ -300,12 +300,6 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
         return true;
     std::int32_t first = 0;
     return kAlong.all_near(guide.tree, p, q, tolerance_, first);
-}
-
-bool SurfaceGuide::covers(const std::array<Vec3, 3> &corners, int landmark) const {
-    const Vec3 &point = landmarks_[landmark].point;
-    const Vec3 to = point - closest_on(corners, point);
-    return dot(to, to) <= kCovered * kCovered * tolerance_ * tolerance_;
 }
 
 } // namespace wct

@@ -84,9 +84,18 @@ class SurfaceGuide {
     };
     const std::vector<Landmark> &landmarks() const { return landmarks_; }
     /// Whether the facet is within the tolerance of the landmark.
-    bool covers(const std::array<Vec3, 3> &corners, int landmark) const;
+    bool covers(const std::array<Vec3, 3> &corners, int landmark) const {
+        const Vec3 &point = landmarks_[landmark].point;
+        return covers(point - closest_on(corners, point));
+    }
+    bool covers(const std::array<Vec3, 3> &corners, const TriangleFrame &frame, int landmark) const {
+        const Vec3 &point = landmarks_[landmark].point;
+        return covers(point - closest_on(corners, frame, point));
+    }
 
   private:
+    bool covers(const Vec3 &off) const { return dot(off, off) <= covered_ * covered_; }
+
     struct Patch {
         BoundingTree<3> tree;
         bool planar = false;
@@ -108,6 +117,7 @@ class SurfaceGuide {
     std::map<int, Vec3> corners_; // by point of the surface: those on creases that may move if they are corners
     std::vector<Landmark> landmarks_;
     double tolerance_;
+    double covered_;    // as far a landmark may be from the facet that covers it
     double kept_ = 0.0; // extent from which on planes and lines are kept exactly
 };
 

@@ -23,6 +23,14 @@ SurfaceWatch::Piece SurfaceWatch::piece(const Facet &key, int patch) const {
     return {.key = key, .patch = patch, .planar = guide_.planar(patch), .corners = complex_.corners(key), .pull = {}};
 }
 
+SurfaceWatch::Piece SurfaceWatch::present(const Facet &key, const TetComplex::SurfaceFacet &facet) const {
+    Piece out = piece(key, facet.patch);
+    out.over = out.was_over = facet.over;
+    out.hints = facet.hints;
+    out.landmark = facet.landmark;
+    return out;
+}
+
 void SurfaceWatch::begin() {
     complex_.forget_landmarks(); // of a search before this one
     std::map<int, std::vector<std::array<Vec3, 3>>> by_patch;
@@ -64,10 +72,8 @@ void SurfaceWatch::clear() {
     beside_.clear();
 }
 
-void SurfaceWatch::goes(const Facet &key, int patch) {
-    old_.push_back(piece(key, patch));
-    old_.back().was_over = complex_.over(key);
-    old_.back().hints = complex_.hints(key);
+void SurfaceWatch::goes(const Facet &key) {
+    old_.push_back(present(key, complex_.facet(key)));
 }
 
 void SurfaceWatch::comes(const Facet &key, int patch) {
@@ -127,27 +133,27 @@ bool SurfaceWatch::replace() {
 void SurfaceWatch::gather(int v) {
     clear();
     vertex_ = v;
-    complex_.surface_at(v, facets_, patches_);
-    for (std::size_t k = 0; k < facets_.size(); ++k) {
-        Piece one = piece(facets_[k], patches_[k]);
-        one.over = one.was_over = complex_.over(one.key);
-        one.hints = complex_.hints(one.key);
-        old_.push_back(one);
-    }
+    complex_.surface_at(v, facets_);
+    for (const auto &[key, facet] : facets_)
+        old_.push_back(present(key, *facet));
     new_ = old_;
     suspect_ = 0;
     skip_known_edges();
-    asked_ = complex_.point(v);
-    allowed_ = true;
     handed_.clear();
+    allowed_.at = complex_.point(v);
+    allowed_.pieces = new_;
+    allowed_.handed.clear();
     if (std::any_of(old_.begin(), old_.end(), [](const Piece &p) { return p.over > 0.0; }))
-        allows(asked_); // so that cost and gradient are there
+        allows(allowed_.at); // so that cost and gradient are there
 }
 
 bool SurfaceWatch::allows(const Vec3 &x) {
-    asked_ = x;
-    allowed_ = facets_allow(x);
-    return allowed_;
+    if (!facets_allow(x))
+        return false;
+    allowed_.at = x;
+    allowed_.pieces = new_;
+    allowed_.handed = handed_;
+    return true;
 }
 
 bool SurfaceWatch::facets_allow(const Vec3 &x) {
@@ -229,11 +235,11 @@ Vec3 SurfaceWatch::normal() const {
 }
 
 bool SurfaceWatch::settle(const Vec3 &x) {
-    if (!(allowed_ && asked_ == x) && !allows(x))
+    if (!(allowed_.at == x) && !allows(x))
         return false;
-    for (const Handed &handed : handed_)
+    for (const Handed &handed : allowed_.handed)
         complex_.hand_landmark(handed.landmark, handed.to);
-    for (const Piece &piece : new_) {
+    for (const Piece &piece : allowed_.pieces) {
         complex_.set_over(piece.key, piece.over);
         complex_.set_hints(piece.key, piece.hints);
     }
@@ -242,30 +248,42 @@ bool SurfaceWatch::settle(const Vec3 &x) {
 
 bool SurfaceWatch::landmarks_covered() {
     handed_.clear();
+    for (std::size_t i = 0; i < old_.size(); ++i)
+        if (!(vertex_ < 0 ? landmarks_left(i) : landmarks_covered(i)))
+            return false;
+    return true;
+}
+
+/// Those of a facet that goes.
+bool SurfaceWatch::landmarks_left(std::size_t piece) {
+    for (int l = old_[piece].landmark; l >= 0; l = complex_.next_landmark(l))
+        if (!leave(l, piece))
+            return false;
+    return true;
+}
+
+/// Those of a facet that moves.
+bool SurfaceWatch::landmarks_covered(std::size_t piece) {
+    int l = old_[piece].landmark;
+    if (l < 0)
+        return true;
+    const Facet &key = old_[piece].key;
+    const std::array<Vec3, 3> &corners = new_[piece].corners;
+    const TriangleFrame frame(corners);
     const auto &landmarks = guide_.landmarks();
-    for (std::size_t i = 0; i < old_.size(); ++i) {
-        if (old_[i].planar)
+    for (; l >= 0; l = complex_.next_landmark(l)) {
+        // Distance to a facet is convex along a straight edge: it covers what is between two that it covers.
+        if (l > 0 && landmarks[l - 1].joined && same(complex_.landmark_owner(l - 1), key))
             continue;
-        const Facet &key = old_[i].key;
-        for (int l = complex_.first_landmark(key); l >= 0; l = complex_.next_landmark(l)) {
-            if (vertex_ < 0) {
-                if (!leave(l, i))
-                    return false;
-                continue;
-            }
-            // Distance to a facet is convex along a straight edge: it covers what is between two that it covers.
-            if (l > 0 && landmarks[l - 1].joined && same(complex_.landmark_owner(l - 1), key))
-                continue;
-            int first = l, last = l;
-            while (landmarks[last].joined && same(complex_.landmark_owner(last + 1), key))
-                ++last;
-            for (; first <= last && !guide_.covers(new_[i].corners, first); ++first)
-                if (!leave(first, i))
-                    return false;
-            for (; first < last && !guide_.covers(new_[i].corners, last); --last)
-                if (!leave(last, i))
-                    return false;
-        }
+        int first = l, last = l;
+        while (landmarks[last].joined && same(complex_.landmark_owner(last + 1), key))
+            ++last;
+        for (; first <= last && !guide_.covers(corners, frame, first); ++first)
+            if (!leave(first, piece))
+                return false;
+        for (; first < last && !guide_.covers(corners, frame, last); --last)
+            if (!leave(last, piece))
+                return false;
     }
     return true;
 }
@@ -325,11 +343,11 @@ const std::vector<SurfaceWatch::Beside> &SurfaceWatch::beside(int v) {
     for (const auto &[vertex, facets] : beside_)
         if (vertex == v)
             return facets;
-    complex_.surface_at(v, facets_, patches_);
+    complex_.surface_at(v, facets_);
     auto &out = beside_.emplace_back(v, std::vector<Beside>{}).second;
-    for (std::size_t k = 0; k < facets_.size(); ++k)
-        if (std::none_of(old_.begin(), old_.end(), [&](const Piece &p) { return same(p.key, facets_[k]); }))
-            out.push_back({facets_[k], patches_[k], complex_.corners(facets_[k])});
+    for (const auto &[key, facet] : facets_)
+        if (std::none_of(old_.begin(), old_.end(), [&](const Piece &p) { return same(p.key, key); }))
+            out.push_back({key, facet->patch, complex_.corners(key)});
     return out;
 }
 

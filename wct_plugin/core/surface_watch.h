@@ -21,7 +21,7 @@ class SurfaceWatch {
 
     // Replacing facets: clear, name those that go and those that come, ask, and only then carry out.
     void clear();
-    void goes(const Facet &key, int patch);
+    void goes(const Facet &key);
     void comes(const Facet &key, int patch);
     bool allows_replacing();
     /// Add the facets that come, hand them the landmarks, and remove those that go. The energies of tets at facets that
@@ -32,8 +32,9 @@ class SurfaceWatch {
     /// rearranged may leave it on the way. 0 at rest.
     double loose = 0.0;
 
-    /// Moving vertex v: name it, ask about places for it, and settle at one. That may be refused even where it was
-    /// allowed: near two sheets of the surface the answer may depend on what was found near the place asked about last.
+    /// Moving vertex v: name it, ask about places for it, and settle at one. That is granted where it is the place that
+    /// was allowed last; of others the answer may be another than before: near two sheets of the surface it may depend
+    /// on what was found near the place asked about last.
     void gather(int v);
     bool allows(const Vec3 &x);
     bool settle(const Vec3 &x);
@@ -54,6 +55,7 @@ class SurfaceWatch {
         double over = 0.0;
         Vec3 pull; // gradient of over with respect to the moving vertex
         SurfaceHints hints{};
+        int landmark = -1; // first of those that it covers
     };
     struct Beside {
         Facet key;
@@ -66,10 +68,14 @@ class SurfaceWatch {
     };
     bool facets_allow(const Vec3 &x);
     Piece piece(const Facet &key, int patch) const;
+    /// One that is in the complex.
+    Piece present(const Facet &key, const TetComplex::SurfaceFacet &facet) const;
     void skip_known_edges();
     /// How far over the tolerance the piece is where it is now; whether it may be, up to `allowed`.
     bool near(Piece &piece, double allowed) const;
     bool landmarks_covered();
+    bool landmarks_covered(std::size_t piece);
+    bool landmarks_left(std::size_t piece);
     bool leave(int landmark, std::size_t piece);
     bool cover(int landmark, const Piece &owner);
     const std::vector<Beside> &beside(int v);
@@ -84,11 +90,14 @@ class SurfaceWatch {
     std::vector<Piece> new_;
     std::vector<Handed> handed_;
     std::vector<std::pair<int, std::vector<Beside>>> beside_; // per vertex asked about: the facets there that stay
-    Vec3 asked_;                                              // the place asked about last
-    bool allowed_ = false;                                    // what the answer was
+    struct Allowed {
+        Vec3 at;
+        std::vector<Piece> pieces;
+        std::vector<Handed> handed;
+    };
+    Allowed allowed_; // the place allowed last, and what is to be noted there
     std::size_t suspect_ = 0;
-    std::vector<Facet> facets_;
-    std::vector<int> patches_;
+    std::vector<TetComplex::SurfaceAt> facets_;
 };
 
 } // namespace wct

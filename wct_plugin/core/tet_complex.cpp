@@ -72,9 +72,8 @@ bool TetComplex::ruled_out(int t) const {
     });
 }
 
-void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const {
+void TetComplex::surface_at(int v, std::vector<SurfaceAt> &facets) const {
     facets.clear();
-    patches.clear();
     if (vertices_[v].stratum == Stratum::interior)
         return;
     for (int t : stars_[v]) {
@@ -83,12 +82,10 @@ void TetComplex::surface_at(int v, std::vector<Facet> &facets, std::vector<int> 
             if (tet[i] == v)
                 continue;
             const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
-            const int patch = patch_of(key[0], key[1], key[2]);
-            if (patch >= 0 &&
-                std::none_of(facets.begin(), facets.end(), [&](const Facet &known) { return same(known, key); })) {
-                facets.push_back(key);
-                patches.push_back(patch);
-            }
+            const SurfaceFacet *facet = surface_facet(key[0], key[1], key[2]);
+            if (facet && std::none_of(facets.begin(), facets.end(),
+                                      [&](const SurfaceAt &known) { return same(known.key, key); }))
+                facets.push_back({key, facet});
         }
     }
 }

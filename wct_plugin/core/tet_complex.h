@@ -82,15 +82,19 @@ class TetComplex {
     };
     /// Patch of a surface facet, -1 for an interior one.
     int patch_of(int a, int b, int c) const;
-    /// Surface facets at v, each once, and their patches.
-    void surface_at(int v, std::vector<Facet> &facets, std::vector<int> &patches) const;
+    /// Surface facets at v, each once.
+    struct SurfaceAt {
+        Facet key;
+        const SurfaceFacet *facet;
+    };
+    void surface_at(int v, std::vector<SurfaceAt> &facets) const;
+    const SurfaceFacet &facet(const Facet &key) const { return surface_.at(key); }
     /// Sum of 1 + over for the tet's facets that are beyond the tolerance.
     double over(const Tet &tet) const;
     double over(const Facet &key) const { return surface_.at(key).over; }
     void set_over(const Facet &key, double over);
     /// How many facets are beyond the tolerance.
     int over_count() const { return over_count_; }
-    const SurfaceHints &hints(const Facet &key) const { return surface_.at(key).hints; }
     void set_hint(int v, std::int32_t hint) { vertices_[v].hint = hint; }
     void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
     /// Note that no tet on a surface facet, which must stay for ever, can meet the goal; whether t has such a facet.
@@ -99,8 +103,7 @@ class TetComplex {
         any_ruled_out_ = true;
     }
     bool ruled_out(int t) const;
-    /// Landmarks of the surface, each owned by the facet that covers it: first of a facet's, and the one after; or -1.
-    int first_landmark(const Facet &key) const { return surface_.at(key).landmark; }
+    /// Landmarks of the surface, each owned by the facet that covers it: the one after, or -1.
     int next_landmark(int landmark) const { return landmarks_[landmark].next; }
     const Facet &landmark_owner(int landmark) const { return landmarks_[landmark].owner; }
     /// A new landmark (the next number), and a change of its owner. Both facets must be there, and a facet must have
