@@ -44,9 +44,8 @@ def stitched(fresh: Start, lost: Ints, old: "SearchedArrays") -> Start | None:
     at[of_fresh] = np.arange(len(of_fresh))
     out_tets = np.vstack([fresh["tets"][~gone], at[known[back]]])
     regions = np.concatenate([fresh["regions"][~gone], old["regions"][back]])
-    if not np.array_equal(
-        *(_core.euler_characteristics(*one) for one in ((out_tets, regions), (known, old["regions"])))
-    ):
+    characteristic = _core.euler_characteristics(known, old["regions"])
+    if not np.array_equal(_core.euler_characteristics(out_tets, regions), characteristic):
         return None
     same = np.where(of_old, of_fresh, 0)  # the old point
     facets, facet_patch = parts.exchange(
