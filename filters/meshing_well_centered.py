@@ -4,51 +4,35 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import _core, conforming, edge_length, quality, scaling, starts
+from wct_plugin import conforming, edge_length, quality, scaling, starts
 from wct_plugin.adapters import meshio
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
-from wct_plugin.finer import Finer
 from wct_plugin.goals import DUAL, misses
 from wct_plugin.listener import Listener
+from wct_plugin.local_search import LocalSearch, best
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.quality import Quality
-from wct_plugin.reasons import facets
 from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
-from wct_plugin.released import released, without
+from wct_plugin.released import released
 from wct_plugin.remaining import remaining
-from wct_plugin.renewal import Renewal
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 from wct_plugin.starts import Start
-from wct_plugin.stitching import stitched
-from wct_plugin.surface import find_rows, pinched, strata, surface_edges
+from wct_plugin.surface import find_rows, strata, surface_edges
 from wct_plugin.transfer import carry, resampled
-
-if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin._core import SearchedArrays
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-#: Sweeps and tries at effort 1.
-_PASSES = 12
-_KICKS = 4000
-#: How often a start is made anew with shorter edges where the search was stuck.
-_FINER = 5
-#: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
-#: its vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where
-#: another start, with shorter edges, takes less: most that come right have come so by then.
-_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 5_000.0}
 
 
 class MeshingOptions(Options):
@@ -179,21 +163,23 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
         listen = Listener(progress, self._bad(mesh, measured))
+        acute = options.goal == "cwc"
+        search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
-            fresh = self._resample(mesh, reference, held, wanted, listen, Finer.nowhere())
+            fresh = search.resampled(reference, held, wanted)
         if fresh is not None and not listen.stopped:
-            tried = self._search_finer(mesh, fresh, reference, held, wanted, listen)
+            tried = search.run_finer(fresh, reference, held, wanted)
         elif moves:
             reference = own
             start = starts.from_mesh(mesh, own, pinned=False)
             if wanted is not None:
                 start["size"] = wanted
-            tried = [self._search(mesh, start, own, held, listen)]
+            tried = [search.run(start, own, held)]
         else:
             start = self._pinned_start(mesh, own, wanted, listen)
-            tried = [self._search(mesh, start, own, held, listen, _WORTH[options.boundary] * options.effort)]
-        found = _best(tried)
+            tried = [search.run(start, own, held, search.worth)]
+        found = best(tried)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
@@ -265,142 +251,6 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         shape = shape_floor(new, measured, old, own.strata, tolerance)
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
-    def _search(
-        self,
-        mesh: TetMesh,
-        start: Start,
-        reference: Reference,
-        tolerance: float,
-        listen: Listener,
-        worth: float = np.inf,
-    ) -> "SearchedArrays":
-        options = self.options
-        fixed = options.boundary == "fixed"
-        acute = options.goal == "cwc"
-        return _core.search_well_centered(
-            **start,
-            ruled_out=facets.ruled_out(mesh, reference.strata, acute=acute) if fixed else None,
-            loose=reference.strata.soft_curves if options.boundary == "move" else None,
-            worth=worth,
-            surface_points=reference.points,
-            surface_triangles=reference.strata.triangles,
-            surface_patch=reference.strata.patch,
-            surface_segments=reference.strata.segments,
-            surface_curve=reference.strata.curve,
-            tolerance=tolerance,
-            acute=acute,
-            margin=options.margin,
-            flip_surface=not fixed,
-            split_surface=not fixed,
-            passes=_PASSES,
-            kicks=_KICKS * options.effort,
-            seed=options.seed,
-            progress=listen.search,
-        )
-
-    def _search_finer(
-        self,
-        mesh: TetMesh,
-        start: Start,
-        reference: Reference,
-        tolerance: float,
-        size: Floats | None,
-        listen: Listener,
-    ) -> "list[SearchedArrays]":
-        """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
-
-        Where that is in few places, the rest of it stays, and creases that it gave up stay so.
-        """
-        tried, finer = [], Finer.nowhere()
-        worth = _WORTH["move"] * self.options.effort
-        gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
-
-        def kept(without_these: Ints) -> Reference:
-            return without(reference, without_these, mesh.nodes.vertices.ravel())
-
-        while True:
-            found = self._search(mesh, start, kept(gone), tolerance, listen, worth)
-            found["released"] = np.union1d(gone, found["released"])
-            tried.append(found)
-            if found["bad"] == 0 or listen.stopped or worth == np.inf:
-                return tried
-            best = _best(tried)
-            vain = len(tried) - 1 - [one["bad"] for one in tried].index(best["bad"])
-            finer = finer.about(best["points"][best["tets"][best["stuck"]]])
-            again = None
-            if renewal := Renewal.of(best, vain):
-                on = kept(best["released"])
-                again = self._resample(mesh, on, tolerance, size, listen, finer, renewal, len(tried))
-            if again is not None:
-                gone = best["released"]
-            else:
-                again = self._resample(mesh, reference, tolerance, size, listen, finer, None, len(tried))
-                gone = gone if again is None else gone[:0]
-            if again is None or len(tried) == _FINER:  # nothing else is left to try
-                worth = np.inf
-            start = again or start
-
-    def _resample(
-        self,
-        mesh: TetMesh,
-        reference: Reference,
-        tolerance: float,
-        size: Floats | None,
-        listen: Listener,
-        finer: Finer,
-        renewal: Renewal | None = None,
-        attempt: int = 0,
-    ) -> Start | None:
-        """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain."""
-        options = self.options
-        found = _core.resample(
-            reference.points,
-            reference.strata.triangles,
-            reference.strata.patch,
-            reference.strata.segments,
-            reference.strata.curve,
-            reference.corners,
-            reference.sides,
-            mesh.points,
-            mesh.tets,
-            np.searchsorted(reference.regions, mesh.regions),
-            tolerance,
-            size=size,
-            finer_at=finer.at,
-            finer_size=finer.size,
-            kept_points=renewal and renewal.points,
-            kept_stratum=renewal and renewal.stratum,
-            kept_label=renewal and renewal.label,
-            anew_at=renewal and renewal.at,
-            anew_radius=renewal and renewal.radius,
-            cosines=options.goal == "cwc",
-            seed=options.seed + 1 + attempt,
-            progress=listen.resample,
-        )
-        stratum = found["stratum"]
-        start: Start = {
-            "points": found["points"],
-            "tets": found["tets"],
-            "regions": found["region"],
-            "stratum": stratum,
-            "label": np.where((stratum == 3) & np.isin(found["label"], mesh.nodes.vertices), -1, found["label"]),
-            "size": found["size"],
-            "facets": found["facets"],
-            "facet_patch": found["facet_patch"],
-            "creases": found["creases"],
-            "crease_curve": found["crease_curve"],
-        }
-        if renewal is not None:
-            return stitched(start, found["lost"], renewal.old)
-        touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
-        if not found["intact"] or (stratum[touching] < 3).any():
-            return None
-        if len(touching):
-            own_pinches = pinched(reference.strata.triangles, len(reference.points))
-            if not own_pinches[found["label"][touching]].all():
-                return None
-        return start
-
     def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
         """The mesh, or its inside filled anew: whichever has the smaller share of bad tets."""
         start = starts.from_mesh(mesh, own, pinned=True)
@@ -411,11 +261,6 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
             return start
         return refilled
-
-
-def _best(tried: "list[SearchedArrays]") -> "SearchedArrays":
-    """Of equals the last: from there others are tried."""
-    return min(reversed(tried), key=lambda one: one["bad"])
 
 
 class _Found(NamedTuple):

@@ -166,6 +166,8 @@ class SearchedArrays(SurfaceArrays):
 
     regions: NDArray[np.int64]
     """(m,) index of the region"""
+    size: NDArray[np.float64]
+    """(n,) edge length wanted at the point"""
     bad: int
     """Tets that miss the goal, or are at a facet beyond the tolerance."""
     stuck: NDArray[np.int64]
@@ -220,6 +222,7 @@ def resample(
     region: NDArray[np.int64],
     tolerance: float,
     size: NDArray[np.float64] | None = None,
+    folds: NDArray[np.int64] | None = None,
     finer_at: NDArray[np.float64] | None = None,
     finer_size: NDArray[np.float64] | None = None,
     kept_points: NDArray[np.float64] | None = None,
@@ -239,11 +242,12 @@ def resample(
     ``curve`` (s,), ``corners`` (c,), ``sides`` (patches, 2): the region behind a patch's triangles and the one before,
     -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
     ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
-    point, else the mesh's own local one. ``finer_at`` (k, 3), ``finer_size`` (k,): edges are no longer than this round
-    these places. ``kept_points`` (k, 3), ``kept_stratum``, ``kept_label`` (k,): the points of a mesh, with the
-    patch, curve, surface point or, inside, region of each; they stay, but for those within ``anew_radius`` (z,) of
-    ``anew_at`` (z, 3), and what is beside moves. ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long
-    edges beside a gap outside may be, in widths of the gap.
+    point, else the mesh's own local one. ``folds`` (f, 2): edges that bend as creases do and are none. ``finer_at``
+    (k, 3), ``finer_size`` (k,): edges are no longer than this round these places. ``kept_points`` (k, 3),
+    ``kept_stratum``, ``kept_label`` (k,): the points of a mesh, with the patch, curve, surface point or, inside, region
+    of each; they stay, but for those within ``anew_radius`` (z,) of ``anew_at`` (z, 3), and what is beside moves.
+    ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may be, in widths
+    of the gap.
 
     The label of a corner is its surface point. The same input and seed give the same bits.
     """

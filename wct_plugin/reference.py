@@ -1,6 +1,6 @@
 """The surface a resampled mesh must stay near: its strata, the regions on either side, and how exact it is itself."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ class Reference:
     sides: Ints  #: -1 stands for outside
     regions: Ints  #: region tags in the order of their indices
     carried: Ints  #: (patches,) the patch of the mesh's own surface whose tags each patch has
+    folds: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    """(f, 2) edges that bend as creases do and are none any more"""
 
     @property
     def corners(self) -> Ints:

@@ -60,7 +60,7 @@ def without(on: Reference, curves: Ints, nodes: Ints) -> Reference:
         stratum=stratum,
         label=np.where(stratum == 1, beside, old.label),
     )
-    return replace(on, strata=strata)
+    return replace(on, strata=strata, folds=np.vstack([on.folds, old.segments[gone]]))
 
 
 def describe(found: Released) -> str:

@@ -1,4 +1,4 @@
-"""What the local search starts from where the boundary stays: the mesh itself, or its inside filled anew."""
+"""What the local search starts from: the mesh itself, its inside filled anew, or what another search led to."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -11,7 +11,7 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.reference import Reference
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin._core import RefilledArrays
+    from wct_plugin._core import RefilledArrays, SearchedArrays
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -49,6 +49,22 @@ def from_mesh(mesh: TetMesh, own: Reference, *, pinned: bool) -> Start:
         "facet_patch": own.strata.patch,
         "creases": own.strata.segments,
         "crease_curve": own.strata.curve,
+    }
+
+
+def on_from(found: "SearchedArrays") -> Start:
+    """What a search led to, for another."""
+    return {
+        "points": found["points"],
+        "tets": found["tets"],
+        "regions": found["regions"],
+        "stratum": found["stratum"],
+        "label": found["label"],
+        "size": found["size"],
+        "facets": found["facets"],
+        "facet_patch": found["facet_patch"],
+        "creases": found["creases"],
+        "crease_curve": found["crease_curve"],
     }
 
 

@@ -233,17 +233,19 @@ std::optional<Renewal> renewal_of(const std::optional<Array> &points, const std:
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         const std::optional<Array> &finer_at, const std::optional<Array> &finer_size,
-                         const std::optional<Array> &kept_points, const std::optional<Array> &kept_stratum,
-                         const std::optional<Array> &kept_label, const std::optional<Array> &anew_at,
-                         const std::optional<Array> &anew_radius, bool cosines, std::uint64_t seed,
-                         const nb::object &progress, double gap, unsigned threads) {
+                         const std::optional<Array> &folds, const std::optional<Array> &finer_at,
+                         const std::optional<Array> &finer_size, const std::optional<Array> &kept_points,
+                         const std::optional<Array> &kept_stratum, const std::optional<Array> &kept_label,
+                         const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius, bool cosines,
+                         std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
     trim();
     SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
     surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
     surface.curve = curves_of(curve, surface.segments.size(), surface.triangles.size(), "curve");
     surface.corners = numbers_of(corners, static_cast<std::int64_t>(surface.points.size()), "corners");
+    if (folds)
+        surface.folds = cells_of<2>(*folds, surface.points.size(), "folds");
     const InputMesh mesh = mesh_of(points, tets, region);
     if (surface.triangles.empty() || mesh.tets.empty())
         throw std::invalid_argument("a surface and a mesh are needed");
@@ -280,11 +282,11 @@ void bind_global(nb::module_ &m) {
     m.def(
         "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
         nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
-        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("finer_at") = nb::none(),
-        nb::arg("finer_size") = nb::none(), nb::arg("kept_points") = nb::none(), nb::arg("kept_stratum") = nb::none(),
-        nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(), nb::arg("anew_radius") = nb::none(),
-        nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
-        nb::arg("gap") = SizingForm{}.gap, nb::arg("threads") = 0,
+        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("folds") = nb::none(),
+        nb::arg("finer_at") = nb::none(), nb::arg("finer_size") = nb::none(), nb::arg("kept_points") = nb::none(),
+        nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
+        nb::arg("anew_radius") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
+        nb::arg("progress") = nb::none(), nb::arg("gap") = SizingForm{}.gap, nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -292,7 +294,8 @@ void bind_global(nb::module_ &m) {
         "outside.\n"
         "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
         "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
-        "one. finer_at (k, 3), finer_size (k,): edges are no longer than this round these places.\n"
+        "one. folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
+        "(k,): edges are no longer than this round these places.\n"
         "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"
         "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). progress(done, bad) "
         "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"

@@ -88,7 +88,7 @@ double mean_size(const std::vector<double> &size, const std::vector<Stratum> &st
 
 nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, const std::vector<int> &released) {
     std::vector<int> place(complex.vertex_slots(), -1);
-    std::vector<double> out_points;
+    std::vector<double> out_points, out_sizes;
     std::vector<std::int64_t> out_tets, out_regions, out_labels, out_facets, out_patches, out_creases, out_curves;
     std::vector<std::int64_t> out_stuck;
     std::vector<std::int8_t> out_strata;
@@ -101,6 +101,7 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, cons
         out_points.insert(out_points.end(), {vertex.position.x, vertex.position.y, vertex.position.z});
         out_strata.push_back(static_cast<std::int8_t>(vertex.stratum));
         out_labels.push_back(vertex.label);
+        out_sizes.push_back(vertex.size);
     }
     for (std::size_t k = 0; k < complex.tet_slots(); ++k) {
         const int t = static_cast<int>(k);
@@ -130,6 +131,7 @@ nb::dict to_python(const TetComplex &complex, const SearchOutcome &outcome, cons
     result["regions"] = array_of<std::int64_t>(out_regions);
     result["stratum"] = array_of<std::int8_t>(out_strata);
     result["label"] = array_of<std::int64_t>(out_labels);
+    result["size"] = array_of<double>(out_sizes);
     result["facets"] = array_of<std::int64_t>(out_facets, 3);
     result["facet_patch"] = array_of<std::int64_t>(out_patches);
     result["creases"] = array_of<std::int64_t>(out_creases, 2);

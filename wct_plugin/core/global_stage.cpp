@@ -321,7 +321,7 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const bool curved = has_curved_patches(reference);
     const auto seeds = [&] {
         set_offsets(reference, sizing, form, correction);
-        return make_seeds(reference, map, sizing, SeedForm{}, random, workers);
+        return make_seeds(reference, map, sizing, SeedForm{}, renewal, random, workers);
     };
     const auto relaxed = [&](Cloud cloud, int sweeps) {
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {

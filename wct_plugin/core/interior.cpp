@@ -19,7 +19,7 @@ Cloud seeds(const PinnedFacets &facets, const Reference &reference, const InputM
     Cloud cloud;
     for (const int v : facets.points())
         cloud.add(mesh.points[v], Stratum::corner, v, sizing.at(mesh.points[v]));
-    seed_inside(cloud, reference, map, sizing, form, random);
+    seed_inside(cloud, reference, map, sizing, form, {}, random);
     std::vector<char> open(cloud.count(), 1);
     for (std::size_t i = facets.points().size(); i < cloud.count(); ++i) {
         const Place place = map.find(cloud.points[i]);

@@ -68,8 +68,9 @@ void Reference::make_wedges() {
     // Triangles round a vertex are of one wedge if they are joined across edges of their patch: a crease that fades out
     // on a patch has the patch on both of its sides, and two wedges per vertex.
     std::set<std::array<int, 2>> creases;
-    for (const auto &[v, w] : data_.segments)
-        creases.insert({std::min(v, w), std::max(v, w)});
+    for (const auto *edges : {&data_.segments, &data_.folds})
+        for (const auto &[v, w] : *edges)
+            creases.insert({std::min(v, w), std::max(v, w)});
     struct Side {
         std::array<int, 3> key;     // ends, patch
         std::array<int, 2> corners; // of a triangle, at the ends

@@ -17,6 +17,7 @@ struct SurfaceData {
     std::vector<std::array<int, 2>> segments; // crease edges
     std::vector<int> curve;                   // per segment, from 0
     std::vector<int> corners;
+    std::vector<std::array<int, 2>> folds; // edges that bend as creases do and are none
     std::vector<std::array<int, 2>>
         sides; // per patch: the region behind its triangles, the region before; -1 is outside
 };
@@ -54,7 +55,7 @@ struct Curve {
 
 /// Patches, curves and corners with what is needed to measure them and to stay on them.
 ///
-/// A *wedge* is a vertex as one patch sees it, between creases: it has the normal and the curvatures there.
+/// A *wedge* is a vertex as one patch sees it, between creases and folds: it has the normal and the curvatures there.
 class Reference {
   public:
     explicit Reference(SurfaceData data);

@@ -51,6 +51,11 @@ void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
         }
 }
 
+bool Renewal::reaches(const Vec3 &center, double radius) const {
+    return std::any_of(all_.begin(), all_.end(),
+                       [&](const Zone &zone) { return norm(center - zone.at) <= zone.radius + radius; });
+}
+
 Cloud Renewal::split_far(Cloud &cloud) const {
     constexpr double across = 4.0; // sizes from what may move to what is no neighbour, whatever the tets between
     std::vector<char> near(cloud.count());

@@ -24,6 +24,8 @@ class Renewal {
     /// Put the mesh's own points in place of the cloud's outside the zones. Beside the zones they may move, so that old
     /// and new ones find together, elsewhere nothing moves them.
     void apply(Cloud &cloud, const Sizing &sizing) const;
+    /// Whether a ball reaches into a zone.
+    bool reaches(const Vec3 &center, double radius) const;
     /// Take the points out of the cloud that are too far from all zones to be neighbours of one that may move.
     Cloud split_far(Cloud &cloud) const;
 

@@ -18,6 +18,11 @@ Vec3 in_cube(Random &random) {
     return {x, y, 2.0 * random.uniform() - 1.0};
 }
 
+/// Whether points are wanted in a ball: everywhere, or where a renewal makes them anew.
+bool wanted(const std::optional<Renewal> &renewal, const Vec3 &center, double radius = 0.0) {
+    return !renewal || renewal->reaches(center, radius);
+}
+
 double size_at(const Sizing &sizing, const Vec3 &p) {
     return sizing.at(p);
 }
@@ -69,8 +74,8 @@ void seed_curves(Cloud &cloud, const Reference &reference, const Sizing &sizing)
 
 /// Grow a triangular pattern over the patches from their rims, or from one point where there is no rim: each point in
 /// turn offers its six neighbours, an edge length away.
-void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing, const SeedForm &form, PointGrid &grid,
-                  Random &random) {
+void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing, const SeedForm &form,
+                  const std::optional<Renewal> &renewal, PointGrid &grid, Random &random) {
     struct Front {
         Vec3 point;
         Vec3 along;
@@ -82,7 +87,7 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
     std::vector<Front> queue;
     std::vector<char> rimmed(reference.patches(), 0);
     for (std::size_t i = 0; i < cloud.count(); ++i) {
-        if (cloud.role[i] != Stratum::crease)
+        if (cloud.role[i] != Stratum::crease || !wanted(renewal, cloud.points[i]))
             continue;
         const Vec3 tangent = reference.nearest_on_curve(cloud.points[i], cloud.label[i]).tangent;
         for (const int patch : reference.patches_at_curve(cloud.label[i])) {
@@ -92,10 +97,10 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
     }
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         const int patch = data.patch[t];
-        if (rimmed[patch])
+        const Vec3 p = data.points[data.triangles[t][0]];
+        if (rimmed[patch] || !wanted(renewal, p))
             continue;
         rimmed[patch] = 1;
-        const Vec3 p = data.points[data.triangles[t][0]];
         const double size = size_at(sizing, p);
         const double turn = 6.283185307179586 * random.uniform();
         const Vec3 u = across(reference.normal(static_cast<int>(t)));
@@ -129,7 +134,7 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
             if (!found)
                 continue;
             const double size = size_at(sizing, p);
-            if (grid.crowded(p, form.front_spacing * size))
+            if (!wanted(renewal, p) || grid.crowded(p, form.front_spacing * size))
                 continue;
             grid.add(p, form.front_spacing * size);
             cloud.add(p, Stratum::patch, front.patch, size);
@@ -139,13 +144,13 @@ void grow_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
 }
 
 void seed_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing, const SeedForm &form,
-                  Random &random) {
+                  const std::optional<Renewal> &renewal, Random &random) {
     constexpr double kTries = 40.0; // darts per edge length squared: few holes are left
     const auto &data = reference.data();
     PointGrid grid;
     for (std::size_t i = 0; i < cloud.count(); ++i)
         grid.add(cloud.points[i], form.patch_spacing * cloud.size[i]);
-    grow_patches(cloud, reference, sizing, form, grid, random);
+    grow_patches(cloud, reference, sizing, form, renewal, grid, random);
     struct Dart {
         Vec3 point;
         double size;
@@ -162,6 +167,8 @@ void seed_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
         // A triangle larger than its sizes is cut up, so that graded sizes get their share of darts.
         const Vec3 middle = (1.0 / 3.0) * (pa + pb + pc);
         const double longest = std::max({norm(pb - pa), norm(pc - pb), norm(pa - pc)});
+        if (!wanted(renewal, middle, longest))
+            continue;
         const double here = size_at(sizing, middle);
         const int cuts = std::clamp(static_cast<int>(std::ceil(longest / (2.0 * here))), 1, 64);
         for (int i = 0; i < cuts; ++i)
@@ -202,9 +209,9 @@ void seed_patches(Cloud &cloud, const Reference &reference, const Sizing &sizing
 class LatticeLevel {
   public:
     LatticeLevel(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
-                 double cell, int level, int levels, double finest, double ratio)
-        : reference_(reference), map_(map), sizing_(sizing), form_(form), cell_(cell), level_(level), levels_(levels),
-          finest_(finest), ratio_(ratio) {}
+                 const std::optional<Renewal> &renewal, double cell, int level, int levels, double finest, double ratio)
+        : reference_(reference), map_(map), sizing_(sizing), form_(form), renewal_(renewal), cell_(cell), level_(level),
+          levels_(levels), finest_(finest), ratio_(ratio) {}
 
     template <class Take> void collect(const Box &box, const Take &take) const {
         const Vec3 extent = box.hi - box.lo;
@@ -228,6 +235,8 @@ class LatticeLevel {
         const Vec3 center = origin + Vec3{static_cast<double>(i) * cell_ + half, static_cast<double>(j) * cell_ + half,
                                           static_cast<double>(k) * cell_ + half};
         const double radius = 1.7321 * half;
+        if (!wanted(renewal_, center, radius))
+            return;
         const Foot foot = reference_.nearest(center);
         if (foot.distance > radius && map_.region(center, foot) < 0)
             return;
@@ -273,6 +282,7 @@ class LatticeLevel {
     const RegionMap &map_;
     const Sizing &sizing_;
     const SeedForm &form_;
+    const std::optional<Renewal> &renewal_;
     double cell_;
     int level_;
     int levels_;
@@ -283,7 +293,7 @@ class LatticeLevel {
 } // namespace
 
 void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map, const Sizing &sizing,
-                 const SeedForm &form, Random &random) {
+                 const SeedForm &form, const std::optional<Renewal> &renewal, Random &random) {
     Box box;
     for (const Vec3 &p : reference.data().points)
         box.add(p);
@@ -311,7 +321,7 @@ void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map,
         const double cell = finest * std::pow(ratio, level);
         // Points of finer levels keep points of this one at a distance of a share of their mean cell.
         std::vector<Vec3> fresh;
-        LatticeLevel(reference, map, sizing, form, cell, level, levels, finest, ratio)
+        LatticeLevel(reference, map, sizing, form, renewal, cell, level, levels, finest, ratio)
             .collect(box, [&](const Vec3 &p, double size, int region) {
                 if (level > 0 && grid.crowded(p, form.level_gap * cell))
                     return;
@@ -324,15 +334,15 @@ void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map,
 }
 
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
-                 Random &random, const Workers &workers) {
+                 const std::optional<Renewal> &renewal, Random &random, const Workers &workers) {
     Cloud cloud;
     for (const int v : reference.data().corners)
         cloud.add(reference.data().points[v], Stratum::corner, v, size_at(sizing, reference.data().points[v]));
     seed_curves(cloud, reference, sizing);
     seed_sharp_rows(cloud, reference, sizing);
     seed_corners(cloud, reference);
-    seed_patches(cloud, reference, sizing, form, random);
-    seed_inside(cloud, reference, map, sizing, form, random);
+    seed_patches(cloud, reference, sizing, form, renewal, random);
+    seed_inside(cloud, reference, map, sizing, form, renewal, random);
     seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);
     retract(cloud, reference, workers);
     clear_sharp(cloud, sizing);

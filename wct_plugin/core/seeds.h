@@ -4,7 +4,10 @@
 #include "random.h"
 #include "reference.h"
 #include "region_map.h"
+#include "renewal.h"
 #include "sizing.h"
+
+#include <optional>
 
 namespace wct {
 
@@ -20,12 +23,13 @@ struct SeedForm {
 };
 
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
-/// body-centered cubic lattice whose cell follows the size field in steps, and the middles of thin walls.
+/// body-centered cubic lattice whose cell follows the size field in steps, and the middles of thin walls. With a
+/// renewal, those on patches and inside only in its zones.
 Cloud make_seeds(const Reference &reference, const RegionMap &map, const Sizing &sizing, const SeedForm &form,
-                 Random &random, const Workers &workers);
+                 const std::optional<Renewal> &renewal, Random &random, const Workers &workers);
 
 /// The lattice alone, of the scale that the sizes of the cloud's points ask for; new points keep off the surface.
 void seed_inside(Cloud &cloud, const Reference &reference, const RegionMap &map, const Sizing &sizing,
-                 const SeedForm &form, Random &random);
+                 const SeedForm &form, const std::optional<Renewal> &renewal, Random &random);
 
 } // namespace wct
