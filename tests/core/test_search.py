@@ -314,6 +314,32 @@ def test_what_cannot_be_ruled_out_or_worth_is_refused(options, message):
         search(jittered_cube(2), **options)
 
 
+def test_numbers_of_patches_and_curves_may_be_left_out():
+    mesh = jittered_cube(3)
+    given = arguments(mesh)
+    shared = given["stratum"] == 1, given["stratum"] == 2
+    apart = given | {
+        "label": np.select(shared, (2 * given["label"] + 1, 3 * given["label"]), given["label"]),
+        **{name: 2 * given[name] + 1 for name in ("facet_patch", "surface_patch")},
+        **{name: 3 * given[name] for name in ("crease_curve", "surface_curve")},
+    }
+    plain, found = search(mesh), search(mesh, change=apart)
+    assert np.array_equal(found["points"], plain["points"])
+    assert np.array_equal(found["facet_patch"], 2 * plain["facet_patch"] + 1)
+    assert np.array_equal(found["crease_curve"], 3 * plain["crease_curve"])
+    on_none = {"facet_patch": (0, "facet_patch holds 0"), "crease_curve": (1, "crease_curve holds 1")}
+    for name, (number, message) in on_none.items():
+        wrong = apart[name].copy()
+        wrong[0] = number
+        with pytest.raises(ValueError, match=f"{message}, of which the surface has no piece"):
+            search(mesh, change=apart | {name: wrong})
+    for stratum, number in ((1, 0), (2, 1)):
+        wrong = apart["label"].copy()
+        wrong[np.flatnonzero(given["stratum"] == stratum)[0]] = number
+        with pytest.raises(ValueError, match=f"label holds {number}, of which the surface has no piece"):
+            search(mesh, change=apart | {"label": wrong})
+
+
 def facet_counts(tets):
     facets = np.sort(tets[:, FACETS].reshape(-1, 3), axis=1)
     return np.unique(facets, axis=0, return_counts=True)[1]

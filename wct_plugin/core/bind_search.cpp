@@ -26,11 +26,10 @@ std::vector<std::uint8_t> pieces(const std::vector<int> &labels) {
     return there;
 }
 
-/// Each label names one of the pieces.
-void expect_pieces(const std::vector<int> &labels, const std::vector<std::uint8_t> &pieces, const char *name) {
-    for (const int label : labels)
-        if (!pieces[label])
-            refuse(std::string(name) + " holds " + std::to_string(label) + ", of which the surface has no piece");
+/// A label names one of the pieces.
+void expect_piece(std::int64_t label, const std::vector<std::uint8_t> &pieces, const char *name) {
+    if (!pieces[static_cast<std::size_t>(label)])
+        refuse(std::string(name) + " holds " + std::to_string(label) + ", of which the surface has no piece");
 }
 
 template <std::size_t n> std::string text(const std::array<int, n> &cell) {
@@ -173,10 +172,12 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     const auto wanted = sizes_of(size, at.size(), "size");
     const auto sheet = cells_of<3>(facets, at.size(), "facets");
     const auto sheet_patch = numbers_of(facet_patch, sheet.size(), patches, "facet_patch");
-    expect_pieces(sheet_patch, has_patch, "facet_patch");
+    for (const int p : sheet_patch)
+        expect_piece(p, has_patch, "facet_patch");
     const auto edges = cells_of<2>(creases, at.size(), "creases");
     const auto edge_curve = numbers_of(crease_curve, edges.size(), curves, "crease_curve");
-    expect_pieces(edge_curve, has_curve, "crease_curve");
+    for (const int c : edge_curve)
+        expect_piece(c, has_curve, "crease_curve");
     for (std::size_t v = 0; v < at.size(); ++v) {
         const std::int64_t count = role[v] == Stratum::patch    ? patches
                                    : role[v] == Stratum::crease ? curves
@@ -189,7 +190,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                     : role[v] == Stratum::crease ? " curves"
                                                  : " surface_points"));
         if (role[v] == Stratum::patch || role[v] == Stratum::crease)
-            expect_pieces({owner[v]}, role[v] == Stratum::patch ? has_patch : has_curve, "label");
+            expect_piece(owner[v], role[v] == Stratum::patch ? has_patch : has_curve, "label");
     }
     expect_conforming(at, cells, sheet, edges);
     std::vector<int> hopeless;
