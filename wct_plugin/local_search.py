@@ -160,6 +160,8 @@ class LocalSearch:
                 if again is None:
                     gone = gone[:0]
                     again = self.resampled(on, tolerance, size, finer, attempt=len(tried))
+            if self.listen.stopped:
+                return tried
             if again is None:  # nothing else is left to try than more of the same
                 worth, again, gone = np.inf, on_from(fewest), fewest["released"]
             start = again
