@@ -145,13 +145,17 @@ template <std::size_t corners> class BoundingTree {
     }
 
     /// The way from `guess` to neighbours that are nearer to x: where it ends, or comes within this squared distance.
-    std::int32_t downhill(const Vec3 &x, double distance, std::int32_t guess) const {
+    struct Near {
+        std::int32_t piece;
+        double square; // distance
+    };
+    Near downhill(const Vec3 &x, double distance, std::int32_t guess) const {
         const auto square = [&](std::int32_t piece) {
             const Vec3 to = gap(piece, x);
             return dot(to, to);
         };
-        for (double best = square(guess), before = std::numeric_limits<double>::infinity();
-             best < before && best > distance;) {
+        double best = square(guess);
+        for (double before = std::numeric_limits<double>::infinity(); best < before && best > distance;) {
             before = best;
             for (const std::int32_t other : neighbours_[static_cast<std::size_t>(guess)])
                 if (other >= 0)
@@ -160,15 +164,14 @@ template <std::size_t corners> class BoundingTree {
                         guess = other;
                     }
         }
-        return guess;
+        return {guess, best};
     }
 
     /// A piece within this squared distance of x, or -1 if there is none. `guess` is tried first, then the way downhill
     /// from there.
     std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
-        guess = downhill(x, distance, guess);
-        if (reaches(guess, x, distance))
-            return guess;
+        if (const Near near = downhill(x, distance, guess); near.square <= distance)
+            return near.piece;
         std::array<std::int32_t, 64> stack;
         std::size_t size = 0;
         stack[size++] = 0;

@@ -361,15 +361,14 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     const auto run = [&] {
         Start best;
         Cloud cloud = seeds();
+        Cloud far; // from all that moves
         if (renewal) {
             renewal->apply(cloud, sizing);
-            const Cloud far = renewal->split_far(cloud);
-            if (cloud.count() > 0)
-                cloud = relaxed(std::move(cloud), form.sweeps);
-            cloud.append(far);
-        } else {
-            cloud = relaxed(std::move(cloud), form.sweeps);
+            far = renewal->split_far(cloud);
         }
+        if (cloud.count() > 0)
+            cloud = relaxed(std::move(cloud), form.sweeps);
+        cloud.append(far);
         lap("relax");
         Complex complex;
         std::vector<int> touched;
@@ -423,9 +422,11 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             best = std::move(next);
     }
     result.stats.emplace_back("off", static_cast<double>(best.off));
-    result.lost = lost_points(best.cloud, best.flaws);
-    const std::vector<int> planes = lost_planes(best.cloud, best.complex, reference, tolerance);
-    result.lost.insert(result.lost.end(), planes.begin(), planes.end());
+    if (!best.intact) {
+        result.lost = lost_points(best.cloud, best.flaws);
+        const std::vector<int> planes = lost_planes(best.cloud, best.complex, reference, tolerance);
+        result.lost.insert(result.lost.end(), planes.begin(), planes.end());
+    }
     result.cloud = std::move(best.cloud);
     result.complex = std::move(best.complex);
     result.flaws = std::move(best.flaws);

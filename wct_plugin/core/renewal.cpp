@@ -12,22 +12,23 @@ namespace {
 constexpr double kBeside = 3.0;
 } // namespace
 
-Renewal::Renewal(Cloud mesh, std::span<const Zone> zones) : mesh_(std::move(mesh)), all_(zones.begin(), zones.end()) {
-    for (const Zone &zone : zones) { // a grid takes the mean of two radii, and what is asked for has none
-        zones_.add(zone.at, 2.0 * zone.radius);
-        beside_.add(zone.at, 2.0 * kBeside * zone.radius);
-    }
+Renewal::Renewal(Cloud mesh, std::span<const Zone> zones)
+    : mesh_(std::move(mesh)), zones_(zones.begin(), zones.end()) {}
+
+bool Renewal::within(const Vec3 &p, double radii, double more) const {
+    return std::any_of(zones_.begin(), zones_.end(),
+                       [&](const Zone &zone) { return norm(p - zone.at) <= radii * zone.radius + more; });
 }
 
 void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
     constexpr double apart = 0.75; // in sizes, of new points from old ones
-    const auto hold = [&](const Vec3 &p) { return beside_.crowded(p, 0.0) ? Hold::none : Hold::all; };
+    const auto hold = [&](const Vec3 &p) { return within(p, kBeside, 0.0) ? Hold::none : Hold::all; };
     Cloud old = mesh_;
     std::vector<char> stays(old.count());
     std::set<int> corners; // that stay
     PointGrid grid;
     for (std::size_t i = 0; i < old.count(); ++i) {
-        stays[i] = !zones_.crowded(old.points[i], 0.0);
+        stays[i] = !reaches(old.points[i], 0.0);
         if (!stays[i])
             continue;
         if (old.role[i] == Stratum::corner)
@@ -39,7 +40,7 @@ void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
     for (std::size_t i = 0; i < cloud.count(); ++i) {
         const Vec3 &p = cloud.points[i];
         fresh[i] = cloud.role[i] == Stratum::corner ? !corners.contains(cloud.label[i])
-                                                    : zones_.crowded(p, 0.0) && !grid.crowded(p, apart * cloud.size[i]);
+                                                    : reaches(p, 0.0) && !grid.crowded(p, apart * cloud.size[i]);
         if (hold(p) == Hold::all)
             cloud.held[i] = Hold::all;
     }
@@ -51,18 +52,11 @@ void Renewal::apply(Cloud &cloud, const Sizing &sizing) const {
         }
 }
 
-bool Renewal::reaches(const Vec3 &center, double radius) const {
-    return std::any_of(all_.begin(), all_.end(),
-                       [&](const Zone &zone) { return norm(center - zone.at) <= zone.radius + radius; });
-}
-
 Cloud Renewal::split_far(Cloud &cloud) const {
     constexpr double across = 4.0; // sizes from what may move to what is no neighbour, whatever the tets between
     std::vector<char> near(cloud.count());
     for (std::size_t i = 0; i < cloud.count(); ++i)
-        near[i] = std::any_of(all_.begin(), all_.end(), [&](const Zone &zone) {
-            return norm(cloud.points[i] - zone.at) <= kBeside * zone.radius + across * cloud.size[i];
-        });
+        near[i] = within(cloud.points[i], kBeside, across * cloud.size[i]);
     Cloud far = cloud;
     cloud.keep(near);
     for (char &which : near)

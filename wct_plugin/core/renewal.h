@@ -4,6 +4,7 @@
 #include "sizing.h"
 
 #include <span>
+#include <vector>
 
 namespace wct {
 
@@ -25,15 +26,16 @@ class Renewal {
     /// and new ones find together, elsewhere nothing moves them.
     void apply(Cloud &cloud, const Sizing &sizing) const;
     /// Whether a ball reaches into a zone.
-    bool reaches(const Vec3 &center, double radius) const;
+    bool reaches(const Vec3 &center, double radius) const { return within(center, 1.0, radius); }
     /// Take the points out of the cloud that are too far from all zones to be neighbours of one that may move.
     Cloud split_far(Cloud &cloud) const;
 
   private:
+    /// Whether p is within this many radii, and this much more, of a zone.
+    bool within(const Vec3 &p, double radii, double more) const;
+
     Cloud mesh_;
-    std::vector<Zone> all_;
-    PointGrid zones_;
-    PointGrid beside_;
+    std::vector<Zone> zones_;
 };
 
 } // namespace wct

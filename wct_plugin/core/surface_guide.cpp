@@ -182,8 +182,9 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             x = foot + (reach / length) * off;
     };
     const auto clamp = [&](const auto &tree, double reach) {
-        hint = tree.downhill(x, reach * reach, hint);
-        if (tree.reaches(hint, x, reach * reach))
+        const auto near = tree.downhill(x, reach * reach, hint);
+        hint = near.piece;
+        if (near.square <= reach * reach)
             return;
         const auto found = tree.closest(x, hint);
         hint = found.piece;
