@@ -83,6 +83,7 @@ cli.add_command(completion)
 )
 @cli_options.filter_options(*_OPTIMIZERS)
 @cli_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
+@cli_options.msh_options
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option(
     "--html",
@@ -113,7 +114,7 @@ def optimize(
         for path, form in ((json_path, "json"), (html_path, "html"))
         if path not in (None, "-")
     ]
-    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target), *reports]
+    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **cli_options.given_msh(values)), *reports]
     for writer in writers:  # before the file is read, which may take long
         writer.validate()
         writer.check_takes(TetMesh)

@@ -15,13 +15,14 @@ from solvers import devsim, fipy
 
 import wct_plugin as wct
 from wct_plugin.adapters.meshio import read, write
+from wct_plugin.cli import run
 from wct_plugin.errors import OptionError, OutputError
 from wct_plugin.mesh import Cells, TetMesh
 
 
 @pytest.fixture
 def halves() -> TetMesh:
-    """A cube of two regions of different volume with facets at both ends, points that are no round numbers, and data."""
+    """A box of two regions of different volume with facets at both ends, points of many digits, and data."""
     cube = two_region_cube(3)
     points = cube.points * [1 / 3, 1.1, np.pi]
     x = points[:, 0]
@@ -65,7 +66,7 @@ def by_hand(path: Path) -> tuple[dict[str, list[str]], np.ndarray, list[list[int
     lines = iter(path.read_text().splitlines())
     for line in lines:
         name = line.removeprefix("$")
-        sections[name] = list(iter(lambda: next(lines), f"$End{name}"))  # noqa: B023
+        sections[name] = list(iter(lambda: next(lines), f"$End{name}"))
     points = np.array([[float(word) for word in line.split()] for line in sections["Nodes"][1:]])
     elements = [[int(word) for word in line.split()] for line in sections["Elements"][1:]]
     assert [len(points), len(elements)] == [int(sections[name][0]) for name in ("Nodes", "Elements")]
@@ -117,9 +118,8 @@ def test_devsim(halves: TetMesh, tmp_path: Path) -> None:
             found = np.transpose([devsim.get_node_model_values(**where, name=axis) for axis in "xyz"])
             wanted = halves.points[np.unique(halves.tets[halves.regions == tag])]
             assert {tuple(point) for point in found.tolist()} == {tuple(point) for point in wanted.tolist()}
-            # The share of each point is a signed sum of its tets', so all of them make the region.
             shares = devsim.get_node_model_values(**where, name="NodeVolume")
-            assert sum(shares) == pytest.approx(volumes(halves)[halves.regions == tag].sum(), rel=0.2)
+            assert sum(shares) == pytest.approx(volumes(halves)[halves.regions == tag].sum())
     finally:
         devsim.delete_device(device="d")
         devsim.delete_mesh(mesh="m")
@@ -132,13 +132,16 @@ def test_fipy(halves: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     mesh = fipy.Gmsh3D(str(tmp_path / "a.msh"))
     assert mesh.numberOfCells == len(halves.tets)
     own = volumes(halves)
-    assert np.sum(mesh.cellVolumes) == pytest.approx(own.sum())
+    found = np.asarray(mesh.cellVolumes)
+    assert found.sum() == pytest.approx(own.sum())
     for name, tag in (("steel", 11), ("air", 12)):
-        assert np.sum(mesh.cellVolumes[mesh.physicalCells[name]]) == pytest.approx(own[halves.regions == tag].sum())
+        assert found[np.asarray(mesh.physicalCells[name])].sum() == pytest.approx(own[halves.regions == tag].sum())
     for name, tag in (("inlet", 21), ("outlet", 22)):
-        assert np.sum(mesh.physicalFaces[name]) == (halves.facets.tags == tag).sum()
+        assert np.asarray(mesh.physicalFaces[name]).sum() == (halves.facets.tags == tag).sum()
 
 
+@pytest.mark.filterwarnings("ignore:Exception ignored:pytest.PytestUnraisableExceptionWarning")  # it leaves files open
+@pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning")
 def test_netgen(halves: TetMesh, tmp_path: Path) -> None:
     write(tmp_path / "a.msh", halves)
     mesh = ReadGmsh(str(tmp_path / "a.msh"))
@@ -186,8 +189,8 @@ def test_version_and_encoding(version: str, binary: bool, halves: TetMesh, tmp_p
         groups = {gmsh.model.getPhysicalName(*group): group[::-1] for group in gmsh.model.getPhysicalGroups()}
         assert groups == dict(halves.names)
         assert len(gmsh.view.getTags()) == 3
-        _, flat, _ = gmsh.model.mesh.getNodes()
-        assert np.array_equal(flat.reshape(-1, 3), halves.points)
+        ids, flat, _ = gmsh.model.mesh.getNodes()
+        assert np.array_equal(flat.reshape(-1, 3)[np.argsort(ids)], halves.points)
     finally:
         gmsh.finalize()
     again = read(tmp_path / "a.msh")
@@ -205,9 +208,11 @@ def _as_file(mesh: TetMesh, folder: Path, version: str, binary: bool) -> list[ob
     return [str(folder / "in.vtu"), target]
 
 
+@pytest.mark.filterwarnings("ignore:Exception ignored:pytest.PytestUnraisableExceptionWarning")  # Netgen's again
+@pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning")
 def test_cells_in_several_groups_make_version_4_1_and_say_who_cannot_read_it(halves: TetMesh, tmp_path: Path) -> None:
     mesh = shared(halves)
-    said = rf"written as version 4\.1, as {len(mesh.tets)} tets and 3 facets are in several groups; DEVSIM, FiPy, gmshTo"
+    said = rf"written as version 4\.1, as {len(mesh.tets)} tets and 3 facets are in several groups; DEVSIM, FiPy"
     with pytest.warns(match=said):
         write(tmp_path / "a.msh", mesh)
     assert (tmp_path / "a.msh").read_text().startswith("$MeshFormat\n4.1 0 8\n")
@@ -239,7 +244,7 @@ def test_a_group_of_cells_without_another_is_their_first(halves: TetMesh, tmp_pa
 def test_version_2_2_is_refused_for_cells_in_several_groups(halves: TetMesh, tmp_path: Path) -> None:
     """Before the work starts where the mesh was read so."""
     mesh = shared(halves)
-    said = rf"a\.msh: {len(mesh.tets)} tets and 3 facets are in several groups, and version 2\.2 has one per cell; allowed"
+    said = rf"a\.msh: {len(mesh.tets)} tets and 3 facets are in several groups, and version 2\.2 has one"
     with pytest.raises(OutputError, match=said):
         write(tmp_path / "a.msh", mesh, version="2.2")
     started = []
@@ -249,7 +254,8 @@ def test_version_2_2_is_refused_for_cells_in_several_groups(halves: TetMesh, tmp
     assert not started
     assert not list(tmp_path.iterdir())
     skin = wct.Reader(mesh) | wct.Filter.generate_boundary_surface() | wct.Writer(tmp_path / "a.msh", version="2.2")
-    skin.execute()  # a surface has no groups to share
+    with pytest.warns(match="cannot carry triangle set 'rim'"):
+        skin.execute()  # a surface has no groups to share
 
 
 def test_options_that_cannot_be(halves: TetMesh, tmp_path: Path) -> None:
@@ -264,3 +270,22 @@ def test_options_that_cannot_be(halves: TetMesh, tmp_path: Path) -> None:
     with pytest.raises(OptionError, match=r"option 'version'"):
         wct.Writer(tmp_path / "a.msh", version="3")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_tag_too_large_for_the_format_is_refused(halves: TetMesh, tmp_path: Path) -> None:
+    regions = halves.regions.copy()
+    regions[3] = 2**31
+    with pytest.raises(OutputError, match=r"tag 2147483648; gmsh files hold tags up to 2147483647"):
+        write(tmp_path / "a.msh", TetMesh(halves.points, halves.tets, regions))
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_line_has_the_options(tmp_path: Path) -> None:
+    flags = ["--msh-version", "4.1", "--msh-binary", "true"]
+    assert run(["create", "cube", str(tmp_path / "a.msh"), *flags]) == 0
+    assert (tmp_path / "a.msh").read_bytes().startswith(b"$MeshFormat\n4.1 1 8\n")
+    optimize = ["optimize", str(tmp_path / "a.msh"), str(tmp_path / "b.msh")]
+    assert run([*optimize, "--msh-version", "2.2"]) == 0
+    assert (tmp_path / "b.msh").read_bytes().startswith(b"$MeshFormat\n2.2 0 8\n")
+    assert run([*optimize[:2], str(tmp_path / "b.vtu"), *flags]) == 2
+    assert not (tmp_path / "b.vtu").exists()

@@ -76,9 +76,7 @@ def _entities(kind: str, cells: Ints, first: Ints, ids: Ints, groups: Mapping[in
     return found
 
 
-def _write_entities(
-    file: BinaryIO, binary: bool, points: NDArray[np.float64], entities: list[_Entity]
-) -> None:
+def _write_entities(file: BinaryIO, binary: bool, points: NDArray[np.float64], entities: list[_Entity]) -> None:
     file.write(b"$Entities\n")
     put(file, binary, _row([sum(one.dimension == dimension for one in entities) for dimension in range(4)], np.uint64))
     for one in sorted(entities, key=lambda one: one.dimension):

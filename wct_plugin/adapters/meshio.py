@@ -3,4 +3,4 @@
 from wct_plugin.adapters.meshio_read import read
 from wct_plugin.adapters.meshio_write import check_groups, write
 
-__all__ = ["read", "write"]
+__all__ = ["check_groups", "read", "write"]

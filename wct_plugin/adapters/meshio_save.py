@@ -82,7 +82,7 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
 
 
 def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:
-    """meshio's text has arrays that nothing reads, and its version 4.1 groups that neither gmsh nor meshio reads."""
+    """Meshio's text has arrays that nothing reads, and its version 4.1 groups that neither gmsh nor meshio reads."""
     points, cells, names = content.points, content.cells, content.names
     point_data, cell_data, binary = content.point_data, content.cell_data, bool(msh.binary)
     if msh.version == "4.1":

@@ -11,16 +11,22 @@ from wct_plugin.errors import OutputError
 
 _CALLED = {"tetra": "tets", "triangle": "facets", "line": "edges", "vertex": "vertices"}
 
+_HIGHEST = 2**31 - 1
+
 
 def settle(content: Content, msh: MshOptions) -> tuple[MshOptions, list[str]]:
     """The options with the version that will be written, and what there is to say of it.
 
     With ``groups`` "first", and where no cell is in several, the first group of each cell becomes its tag and
     ``content`` has no further groups. Raises :class:`OutputError` for cells in several groups that are all to be kept
-    in version 2.2.
+    in version 2.2, and for tags beyond 4 bytes.
     """
     tags = dict(zip((kind for kind, _ in content.cells), content.cell_data["gmsh:physical"], strict=True))
     first = {kind: _first(own, content.groups.get(kind, {})) for kind, own in tags.items()}
+    highest = max((int(np.abs(own).max(initial=0)) for own in content.cell_data["gmsh:geometrical"]), default=0)
+    highest = max([highest, *(int(np.abs(own).max(initial=0)) for own in first.values())])
+    if highest > _HIGHEST:
+        raise OutputError(f"has tag {highest}; gmsh files hold tags up to {_HIGHEST}")
     lost = {
         (kind, tag): count
         for kind, groups in content.groups.items()
