@@ -23,8 +23,8 @@ def settle(content: Content, msh: MshOptions) -> tuple[MshOptions, list[str]]:
     """
     tags = dict(zip((kind for kind, _ in content.cells), content.cell_data["gmsh:physical"], strict=True))
     first = {kind: _first(own, content.groups.get(kind, {})) for kind, own in tags.items()}
-    highest = max((int(np.abs(own).max(initial=0)) for own in content.cell_data["gmsh:geometrical"]), default=0)
-    highest = max([highest, *(int(np.abs(own).max(initial=0)) for own in first.values())])
+    numbers = [*first.values(), *content.cell_data["gmsh:geometrical"]]
+    highest = max(int(np.abs(own).max(initial=0)) for own in numbers)
     if highest > _HIGHEST:
         raise OutputError(f"has tag {highest}; gmsh files hold tags up to {_HIGHEST}")
     lost = {
