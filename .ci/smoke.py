@@ -26,11 +26,14 @@ def wct(*arguments: str, allowed: tuple[int, ...] = (0,)) -> str:
 
 
 def modules() -> None:
-    """Import everything there is, each filter's and each adapter's neighbour with it."""
+    """Import everything there is, and with it the neighbours."""
     import wct_plugin
+    from wct_plugin.stage import filter_names, find_filter
 
     for one in pkgutil.walk_packages(wct_plugin.__path__, "wct_plugin."):
         importlib.import_module(one.name)
+    for name in filter_names():
+        find_filter(name)
 
 
 def command_line() -> None:
@@ -47,6 +50,11 @@ def command_line() -> None:
     assert json.loads(Path("part.json").read_text())["after"]["tets"] > 5
     assert "<svg" in Path("part.html").read_text()
     wct("report", "part.vtu", "cube.vtu", "--exact", "--html", "both.html")
+    weigh = [{"type": f"filters.{name}"} for name in ("compute_scalar_by_well_centeredness", "compute_power_weights")]
+    Path("weigh.json").write_text(json.dumps(weigh))
+    wct("run", "weigh.json", "part.vtu", "weighed.vtu")
+    assert "compute_power_weights" in json.loads(wct("filters", "--json", "-"))
+    assert json.loads(wct("run", "--schema"))["$defs"]
     Path("measure.json").write_text(json.dumps([{"type": "filters.get_quality"}]))
     wct("batch", "measure.json", "cube.vtu", "part.vtu", "-o", "out", "--jobs", "2")
     assert len(Path("out/manifest.jsonl").read_text().splitlines()) == 2
