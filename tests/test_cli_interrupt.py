@@ -39,7 +39,7 @@ def test_sigterm_ends_the_neighbour_too_and_leaves_nothing(neighbour: str, tmp_p
         _, said = child.communicate(timeout=20)
     assert child.returncode == 2
     assert said.strip() == "error: interrupted; nothing was written"
-    assert not working_in(tmp_path)
+    wait_until(lambda: not working_in(tmp_path), 2)
     assert not list((tmp_path / "tmp").iterdir())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["chain.json", "in.ply", "tmp"]
 
