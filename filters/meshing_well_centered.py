@@ -168,17 +168,16 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, held, wanted)
-        if fresh is not None and not listen.stopped:
+        if fresh is not None:
             tried = search.run_finer(fresh, reference, held, wanted)
-        elif moves:
-            reference = own
-            start = starts.from_mesh(mesh, own, pinned=False)
-            if wanted is not None:
-                start["size"] = wanted
-            tried = [search.run(start, own, held)]
         else:
-            start = self._pinned_start(mesh, own, wanted, listen)
-            tried = [search.run(start, own, held, search.worth)]
+            reference = own
+            start = self._own_start(mesh, own, wanted, listen)
+            tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
+        work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
+        if not tried:  # stopped before there was any other mesh
+            nothing = released(reference, np.empty(0, dtype=np.int64))
+            return _Found(mesh, measured, tolerance, {**work, "stopped": True, "released": nothing})
         found = best(tried)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
@@ -188,7 +187,6 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         work["stopped"] = listen.stopped
         work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
         return _Found(better, after, tolerance, work)
@@ -251,11 +249,14 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         shape = shape_floor(new, measured, old, own.strata, tolerance)
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
-    def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
-        """The mesh, or its inside filled anew: whichever has the smaller share of bad tets."""
-        start = starts.from_mesh(mesh, own, pinned=True)
+    def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
+        """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
+        moves = self.options.boundary == "move"
+        start = starts.from_mesh(mesh, own, pinned=not moves)
         if size is not None:
             start["size"] = size
+        if moves or listen.stopped:
+            return start
         acute, seed = self.options.goal == "cwc", self.options.seed + 1
         refilled = starts.refill(start, own.sides, size, acute=acute, seed=seed, progress=listen.resample)
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
