@@ -13,6 +13,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from wct_plugin import conforming, edge_length, quality, scaling, starts
 from wct_plugin.adapters import meshio
+from wct_plugin.deviation import deviation
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
@@ -69,6 +70,7 @@ class MeshingOptions(Options):
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
+    force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
     @field_validator("edge_length", mode="before")
     @classmethod
@@ -86,6 +88,8 @@ class MeshingOptions(Options):
     def _cheapest(self) -> Self:
         if self.goal in DUAL and self.edge_length is not None:
             raise ValueError(f"edge_length asks for other edges, goal {self.goal} for the cheapest change: drop one")
+        if self.goal in DUAL and self.force:
+            raise ValueError(f"force asks for a new mesh, goal {self.goal} for the cheapest change: drop one")
         return self
 
 
@@ -106,6 +110,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     reference has no edges follow their own facets instead of it, as do those that it does not bound.
     The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
     move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
+    A mesh that meets the goal, with its boundary within the tolerance, stays as it is, to the bit, also where it falls
+    short of the margin; ``force`` or an edge length makes it anew.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
     The unit of length is no matter: bounding boxes of 1e-90 to 1e90 across are taken, others are refused.
     """
@@ -162,7 +168,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
-        listen = Listener(progress, self._bad(mesh, measured))
+        bad = self._bad(mesh, measured)
+        if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
+            return _kept(mesh, measured, tolerance)
+        listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
         fresh = None
@@ -176,18 +185,17 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         if not tried:  # stopped before there was any other mesh
-            nothing = released(reference, np.empty(0, dtype=np.int64))
-            return _Found(mesh, measured, tolerance, {**work, "stopped": True, "released": nothing})
+            return _Found(mesh, measured, tolerance, {**work, "stopped": True, "kept": False, "released": _no_crease(own)})
         found = best(tried)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
-        gain = self._bad(mesh, measured) * len(after) - self._bad(better, after) * len(measured)
+        gain = bad * len(after) - self._bad(better, after) * len(measured)
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work["stopped"] = listen.stopped
+        work["stopped"], work["kept"] = listen.stopped, False
         work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
         return _Found(better, after, tolerance, work)
 
@@ -206,8 +214,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         tolerance = (options.tolerance or own.auto_tolerance()) * (surface or mesh).diagonal
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
+        if not bad:
+            return _kept(mesh, after, tolerance)
         listen = Listener(progress, bad)
-        if bad and not listen.stopped:
+        if not listen.stopped:
             asked: _Asked = {
                 "one_sided": options.goal == "one-sided",
                 "effort": options.effort,
@@ -226,7 +236,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             elif not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
             listen.measure(bad)
-        return _Found(better, after, tolerance, {"stopped": listen.stopped})
+        return _Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False})
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
@@ -280,6 +290,19 @@ class _Asked(TypedDict):
     effort: int
     seed: int
     progress: Callable[[float, int], bool]
+
+
+def _kept(mesh: TetMesh, measured: Quality, tolerance: float) -> _Found:
+    """A mesh that meets the goal, as it is."""
+    return _Found(mesh, measured, tolerance, {"stopped": False, "kept": True})
+
+
+def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: float) -> bool:
+    """Whether the boundary is within the tolerance of the reference, both ways; it is where that is its own."""
+    if reference is own:
+        return True
+    surface = SurfaceMesh(reference.points, reference.strata.triangles)
+    return deviation(mesh.boundary_surface(), surface, compiled=True).max <= tolerance
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

@@ -37,6 +37,7 @@ def flag(option: str, prefix: str = "") -> str:
 def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
 
+    What is False unless asked for is asked for by the flag alone, without a value.
     Where two filters declare a field the help is the first one's; each checks the values it is given by itself.
     """
     return _options(_fields(*filters), prefix)
@@ -66,7 +67,10 @@ def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..
             shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
             metavar = f"[{words}]" if words else None
             names = (flag(option, prefix), _parameter(option, prefix))
-            command = click.option(*names, type=_click_type(field), metavar=metavar, help=shown)(command)
+            kind: dict[str, Any] = {"type": _click_type(field), "metavar": metavar}
+            if field.default is False:
+                kind, shown = {"is_flag": True, "default": None}, str(field.description)
+            command = click.option(*names, **kind, help=shown)(command)
         return command
 
     return decorate

@@ -260,6 +260,7 @@ def make_report(
 
 def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
     lines = (
+        "the mesh meets the goal already; it stays as it is (--force makes it anew)" if found.get("kept") else "",
         shape_floor.describe(found["shape"]) if "shape" in found else "",
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
         released.describe(found["released"]) if "released" in found else "",
