@@ -21,10 +21,11 @@ from wct_plugin.goals import DUAL, misses
 from wct_plugin.listener import Listener
 from wct_plugin.local_search import LocalSearch, best
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.overlap import overlap
 from wct_plugin.quality import Quality
 from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
-from wct_plugin.released import released
+from wct_plugin.released import Released, released
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
@@ -133,6 +134,14 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if surface:
             scaling.check_reference(surface, mesh)
         wanted = edge_length.at_points(self.options.edge_length, mesh)
+        tangled = overlap(mesh)
+        if tangled:
+            warnings.warn(
+                f"{mesh.source or 'the mesh'} overlaps itself: tets {tangled[0]} and {tangled[1]} do,"
+                f" {_where(mesh, tangled)}; the result cannot be called valid unless it no longer does",
+                WctWarning,
+                stacklevel=3,
+            )
         unit = scaling.exponent(mesh.points)
         normalized = scaling.scaled(replace(mesh, reference=surface), -unit)
         own = own_boundary(normalized, self.options.crease_angle)
@@ -144,6 +153,16 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             )
         better = mesh if found.mesh is normalized else scaling.scaled(found.mesh, unit)
         better = replace(better, reference=surface)
+        if found.mesh is not normalized and not tangled and (crossed := overlap(better)):
+            warnings.warn(
+                f"the new mesh overlaps itself {_where(better, crossed)}; the mesh stays as it is: a smaller tolerance"
+                " or shorter edges may help",
+                WctWarning,
+                stacklevel=3,
+            )
+            work = {**found.work, "released": _no_crease(own)}
+            found = found._replace(mesh=normalized, measured=quality.measure(normalized), work=work)
+            better = replace(mesh, reference=surface)
         tolerance = math.ldexp(found.tolerance, unit)
         result = self._judge(mesh, own, better, found.measured, tolerance, stopped=found.work["stopped"])
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
@@ -170,7 +189,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         measured = quality.measure(mesh)
         bad = self._bad(mesh, measured)
         if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
-            return _kept(mesh, measured, tolerance)
+            none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
+            return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)})
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
@@ -215,7 +235,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
         if not bad:
-            return _kept(mesh, after, tolerance)
+            return _Found(mesh, after, tolerance, {"stopped": False, "kept": True})
         listen = Listener(progress, bad)
         if not listen.stopped:
             asked: _Asked = {
@@ -292,9 +312,15 @@ class _Asked(TypedDict):
     progress: Callable[[float, int], bool]
 
 
-def _kept(mesh: TetMesh, measured: Quality, tolerance: float) -> _Found:
-    """A mesh that meets the goal, as it is."""
-    return _Found(mesh, measured, tolerance, {"stopped": False, "kept": True})
+def _where(mesh: TetMesh, tets: tuple[int, int]) -> str:
+    """The place of two tets that overlap."""
+    x, y, z = mesh.points[mesh.tets[list(tets)]].mean(axis=(0, 1)).tolist()
+    return f"near ({x:.4g}, {y:.4g}, {z:.4g})"
+
+
+def _no_crease(own: Reference) -> Released:
+    """What is said of creases that became ordinary surface, where the mesh stays as it is."""
+    return released(own, np.empty(0, dtype=np.int64))
 
 
 def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: float) -> bool:

@@ -36,7 +36,7 @@ TITLES = {
 _MEASURES = {"h/R": "h/R", "face_angle": "Face angle", "dihedral_angle": "Dihedral angle", "R/l": "R/ℓ"}
 _FLAGS = {"3wc": "3WC", "2wc": "2WC", "cwc": "CWC", "acute": "Acute"}
 _TIER_NOTES = (
-    "every volume positive",
+    "every volume positive, no two tets overlap",
     "no vertex inside a neighbour's circumsphere",
     "every dual edge positive, hence all duals inside",
     "every tet contains its circumcenter",
