@@ -31,6 +31,7 @@ from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 from wct_plugin.starts import Start
 from wct_plugin.surface import find_rows, strata, surface_edges
+from wct_plugin.thickness import thinnest
 from wct_plugin.transfer import carry, resampled
 
 Floats = NDArray[np.float64]
@@ -138,7 +139,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if tangled:
             warnings.warn(
                 f"{mesh.source or 'the mesh'} overlaps itself: tets {tangled[0]} and {tangled[1]} do,"
-                f" {_where(mesh, tangled)}; the result cannot be called valid unless it no longer does",
+                f" {_where(mesh, tangled)}; a result that still does is not valid and meets no goal",
                 WctWarning,
                 stacklevel=3,
             )
@@ -146,10 +147,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         normalized = scaling.scaled(replace(mesh, reference=surface), -unit)
         own = own_boundary(normalized, self.options.crease_angle)
         if self.options.goal in DUAL:
-            found = self._conform(normalized, own, progress)
+            found = self._conform(normalized, own, unit, progress)
         else:
             found = self._well_center(
-                normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), progress
+                normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), unit, progress
             )
         better = mesh if found.mesh is normalized else scaling.scaled(found.mesh, unit)
         better = replace(better, reference=surface)
@@ -168,9 +169,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
 
     def _well_center(
-        self, mesh: TetMesh, own: Reference, wanted: Floats | None, progress: ProgressCallback
+        self, mesh: TetMesh, own: Reference, wanted: Floats | None, unit: int, progress: ProgressCallback
     ) -> "_Found":
-        """The mesh resampled, or made from itself, with as few bad tets as the search gets to."""
+        """The mesh resampled, or made from itself, with as few bad tets as the search gets to.
+
+        It is in 2 ** ``unit`` of the user's unit of length.
+        """
         options = self.options
         surface = mesh.reference
         moves = options.boundary == "move"
@@ -191,6 +195,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
             none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
             return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)})
+        self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
@@ -227,8 +232,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     def _bad(self, mesh: TetMesh, measured: Quality) -> int:
         return int(misses(mesh, measured, self.options.goal).sum())
 
-    def _conform(self, mesh: TetMesh, own: Reference, progress: ProgressCallback) -> "_Found":
-        """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is."""
+    def _conform(self, mesh: TetMesh, own: Reference, unit: int, progress: ProgressCallback) -> "_Found":
+        """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is; ``unit`` as above."""
         options = self.options
         surface = mesh.reference
         tolerance = (options.tolerance or own.auto_tolerance()) * (surface or mesh).diagonal
@@ -236,6 +241,7 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         bad = self._bad(mesh, after)
         if not bad:
             return _Found(mesh, after, tolerance, {"stopped": False, "kept": True})
+        self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         if not listen.stopped:
             asked: _Asked = {
@@ -257,6 +263,22 @@ class MeshingWellCentered(Filter[MeshingOptions]):
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
             listen.measure(bad)
         return _Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False})
+
+    def _warn_of_thin_walls(self, mesh: TetMesh, tolerance: float, unit: int) -> None:
+        """Say where the two sides of a wall, each within the tolerance, may meet."""
+        thin = None if self.options.boundary == "fixed" else thinnest(mesh, 2.0 * tolerance)
+        if not thin:
+            return
+        body = "the body" if (mesh.regions == thin.region).all() else f"region {thin.region}"
+        thickness, x, y, z = (math.ldexp(one, unit) for one in (thin.thickness, *thin.place))
+        diagonal = (mesh.reference or mesh).diagonal
+        warnings.warn(
+            f"{body} is {thickness:.3g} thick near ({x:.4g}, {y:.4g}, {z:.4g}), thinner than twice the tolerance of"
+            f" {tolerance / diagonal:.2e} of the diagonal, within which its two sides may meet; use a tolerance below"
+            f" {thin.thickness / 2.0 / diagonal:.2e}",
+            WctWarning,
+            stacklevel=4,
+        )
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool

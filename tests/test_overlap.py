@@ -54,7 +54,7 @@ def test_random_tets_on_a_lattice_agree_with_linear_programming(turned):
     """On a lattice of three points a side most pairs touch somewhere; turned, they touch by rounding alone."""
     rng = np.random.default_rng(1)
     seen = {True: 0, False: 0}
-    while sum(seen.values()) < 60:
+    while sum(seen.values()) < 40:
         points = rng.integers(0, 3, (8, 3)).astype(float)
         volumes = np.linalg.det(points.reshape(2, 4, 3)[:, 1:] - points.reshape(2, 4, 3)[:, :1])
         if (np.abs(volumes) < 0.5).any():
@@ -65,7 +65,7 @@ def test_random_tets_on_a_lattice_agree_with_linear_programming(turned):
             continue  # by how much they would is no more than rounding
         seen[overlaps] += 1
         assert overlap(mesh) == ((0, 1) if overlaps else None)
-    assert turned or min(seen.values()) > 10
+    assert turned or min(seen.values()) > 5
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,10 @@ def test_tets_that_touch_do_not_overlap(mesh):
 def test_a_result_that_overlaps_itself_is_not_taken():
     mesh = read(str(THIN))
     assert overlap(mesh) is None
-    with pytest.warns(WctWarning, match="the new mesh overlaps itself near .* the mesh stays as it is"):
+    with (
+        pytest.warns(WctWarning, match="the body is .* thick near"),
+        pytest.warns(WctWarning, match="the new mesh overlaps itself near .* the mesh stays as it is"),
+    ):
         same, metrics = apply_filter("meshing_well_centered", mesh, goal="3wc", boundary="keep", tolerance=0.1)
     assert np.array_equal(same.points, mesh.points)
     assert np.array_equal(same.tets, mesh.tets)
@@ -138,4 +141,8 @@ def test_a_mesh_that_overlaps_itself_is_named_before_the_work_and_meets_no_goal(
     assert f"{names[0]} overlaps itself: tets 0 and 1 do, near (" in " ".join(said.err.split())
     assert "not valid" in said.out
     assert cli.run(["report", names[0], "--goal", "cwc"]) == 1
-    assert not Pipeline.from_json(json.dumps([names[0], {"type": "filters.meshing_well_centered"}])).execute().goal_met
+    chain = Pipeline.from_json(json.dumps([names[0], {"type": "filters.meshing_well_centered"}]))
+    with pytest.warns(WctWarning, match="overlaps itself: tets 0 and 1 do"):
+        result = chain.execute()
+    assert not result.goal_met
+    assert [(goal.missed, goal.valid) for goal in result.goals] == [(0, False)]

@@ -127,8 +127,10 @@ def _beyond_facet_of_other(points: Floats, one: Ints, other: Ints, facet: Ints) 
 def _apart_along(points: Floats, one: Ints, other: Ints, edge: Ints, another: Ints) -> Bools:
     """(k,) whether a plane along an edge of the one tet and an edge of the other keeps the tets apart."""
     lines = np.column_stack([one[:, edge], other[:, another]])
-    here = [_signs(predicates.along_edges, points, lines, one[:, k], 2) for k in range(4) if k not in edge]
-    there = [_signs(predicates.along_edges, points, lines, other[:, k], 2) for k in range(4)]
+    off = [k for k in range(4) if k not in edge]
+    ends = np.concatenate([one[:, off], other], axis=1)
+    sides = _signs(predicates.along_edges, points, np.tile(lines, (6, 1)), ends.T.ravel(), 2).reshape(6, -1)
+    here, there = sides[:2], sides[2:]
     low, high = np.min(here, axis=0), np.max(here, axis=0)
     below, above = np.min(there, axis=0), np.max(there, axis=0)
     parallel = (low == 0) & (high == 0)  # edges in one direction span no plane
