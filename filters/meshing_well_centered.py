@@ -152,18 +152,21 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             found = self._well_center(
                 normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), unit, progress
             )
-        better = mesh if found.mesh is normalized else scaling.scaled(found.mesh, unit)
-        better = replace(better, reference=surface)
-        if found.mesh is not normalized and not tangled and (crossed := overlap(better)):
-            warnings.warn(
-                f"the new mesh overlaps itself {_where(better, crossed)}; the mesh stays as it is: a smaller tolerance"
-                " or shorter edges may help",
-                WctWarning,
-                stacklevel=3,
-            )
-            work = {**found.work, "released": _no_crease(own)}
-            found = found._replace(mesh=normalized, measured=quality.measure(normalized), work=work)
-            better = replace(mesh, reference=surface)
+        better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
+        if found.mesh is not normalized:
+            new = replace(scaling.scaled(found.mesh, unit), reference=surface)
+            crossed = None if tangled else overlap(new)
+            if crossed:
+                warnings.warn(
+                    f"the new mesh overlaps itself {_where(new, crossed)}; the mesh stays as it is: a smaller tolerance"
+                    " or shorter edges may help",
+                    WctWarning,
+                    stacklevel=3,
+                )
+                work = {**found.work, "released": _no_crease(own)}
+                found = found._replace(mesh=normalized, measured=quality.measure(normalized), work=work)
+            else:
+                better = new
         tolerance = math.ldexp(found.tolerance, unit)
         result = self._judge(mesh, own, better, found.measured, tolerance, stopped=found.work["stopped"])
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
