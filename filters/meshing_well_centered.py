@@ -213,7 +213,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         if not tried:  # stopped before there was any other mesh
-            return _Found(mesh, measured, tolerance, {**work, "stopped": True, "kept": False, "released": _no_crease(own)})
+            work |= {"stopped": True, "kept": False, "released": _no_crease(own)}
+            return _Found(mesh, measured, tolerance, work)
         found = best(tried)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
