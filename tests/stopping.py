@@ -1,7 +1,7 @@
 """One run of a filter that is stopped at every call of its progress callback, each time in a process of its own.
 
-``python stopping.py mesh.vtu filter '{"option": value}' 60`` forks at every call, 60 times at most. The child stops there
-and checks what it is given; the parent goes on, to the end of the run, or to where it stops too after so many calls.
+``python stopping.py mesh.vtu filter '{"option": value}' 60`` forks at every call, 60 times at most. The child stops
+there and checks what it is given; the parent goes on, to the end of the run, or stops too after so many calls.
 Prints how many children stopped in each phase of the work.
 """
 
@@ -70,7 +70,7 @@ def main(path: str, name: str, options: dict, most: int) -> None:
         traceback.print_exc()
         sys.stderr.flush()
         os._exit(1)
-    print(json.dumps(stopped))
+    sys.stdout.write(json.dumps(stopped))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ except ImportError as error:
 from wct_plugin.adapters.meshio import read, write
 from wct_plugin.batch import run_batch
 from wct_plugin.constructors import Filter, Reader, Writer
-from wct_plugin.errors import InputError, NeighbourError, OptionError, OutputError, WctError, WctWarning
+from wct_plugin.errors import InputError, InternalError, NeighbourError, OptionError, OutputError, WctError, WctWarning
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
 from wct_plugin.result import Result
@@ -29,6 +29,7 @@ __all__ = [
     "Cells",
     "Filter",
     "InputError",
+    "InternalError",
     "NeighbourError",
     "OptionError",
     "OutputError",

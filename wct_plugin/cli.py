@@ -39,7 +39,7 @@ from wct_plugin.cli_show import (
     write_text,
 )
 from wct_plugin.ends import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
-from wct_plugin.errors import OptionError, WctError, WctWarning, one_line
+from wct_plugin.errors import InternalError, OptionError, WctError, WctWarning, one_line
 from wct_plugin.flow import side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import Pipeline
@@ -212,6 +212,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
                 code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
         except click.ClickException as error:
             message = error.format_message()
+        except InternalError as error:
+            message = _crash(error)
         except WctError as error:
             message = str(error)
         except BrokenPipeError:  # whoever read stdout has read enough, as head does
@@ -219,14 +221,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
             return FAILED
         except (KeyboardInterrupt, click.Abort):
             message = "interrupted" if written.names() else "interrupted; nothing was written"
-        except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
-            if os.environ.get("WCT_TRACEBACK"):
-                raise
-            message = f"{one_line(error)} (WCT_TRACEBACK=1 shows where)"
+        except Exception as error:
+            message = _crash(error)
         else:
             return code if isinstance(code, int) else GOAL_MET
         before = ", ".join(written.names())
         return fail(f"{message}; written before: {before}" if before else message)
+
+
+def _crash(error: Exception) -> str:
+    """What is said of a bug of ours: still one line, still exit code 2; the traceback on request."""
+    if os.environ.get("WCT_TRACEBACK"):
+        raise error
+    return f"{one_line(error)} (WCT_TRACEBACK=1 shows where)"
 
 
 def main() -> None:

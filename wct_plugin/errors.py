@@ -9,6 +9,10 @@ class InputError(WctError):
     """A file or mesh that cannot be used: it names the file or element, the value found and what is allowed."""
 
 
+class NoMeshError(InputError):
+    """Arrays that make no mesh: an index out of range, a flat tet, three tets at a facet."""
+
+
 class OptionError(WctError):
     """An unknown stage or option, a value out of range, or stages that do not fit together."""
 
@@ -21,6 +25,10 @@ class NeighbourError(WctError):
     """An external mesher or library that failed, ran out of time or gave an unusable result."""
 
 
+class InternalError(WctError):
+    """A fault of this package or of a filter, not of what it was given: please report it."""
+
+
 class WctWarning(UserWarning):
     """Something the user had that could not be carried along; the message names it."""
 
@@ -28,9 +36,10 @@ class WctWarning(UserWarning):
 def one_line(error: BaseException) -> str:
     """What to tell the user about anything raised: one line, which says so where it is a fault of ours."""
     message = " ".join(str(error).split())
-    if isinstance(error, WctError):
+    ours = isinstance(error, InternalError)
+    if isinstance(error, WctError) and not ours:
         return message
     if isinstance(error, MemoryError):
         return f"ran out of memory{f': {message}' if message else ''}"
     where = " ".join(["internal error", *getattr(error, "__notes__", [])])
-    return f"{where}, please report it: {type(error).__name__}: {message}"
+    return f"{where}, please report it: {message if ours else f'{type(error).__name__}: {message}'}"

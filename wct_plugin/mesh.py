@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wct_plugin import predicates
-from wct_plugin.errors import InputError
+from wct_plugin.errors import NoMeshError
 from wct_plugin.topology import Topology
 
 Floats = NDArray[np.float64]
@@ -63,7 +63,7 @@ class Cells:
     def __post_init__(self) -> None:
         vertices = _indices(self.vertices, "cells")
         if vertices.ndim != 2 or vertices.shape[1] not in (1, 2, 3):
-            raise InputError(f"tagged cells have shape {vertices.shape}; allowed is (k, 1), (k, 2) or (k, 3)")
+            raise NoMeshError(f"tagged cells have shape {vertices.shape}; allowed is (k, 1), (k, 2) or (k, 3)")
         kind = _KIND[vertices.shape[1]]
         _store(self, "vertices", vertices)
         _store(self, "tags", _tags(self.tags, len(vertices), kind))
@@ -107,9 +107,9 @@ class SurfaceMesh:
         points = _points(self.points)
         triangles = _indices(self.triangles, "triangles")
         if triangles.ndim != 2 or triangles.shape[1] != 3:
-            raise InputError(f"triangles have shape {triangles.shape}; allowed is (k, 3)")
+            raise NoMeshError(f"triangles have shape {triangles.shape}; allowed is (k, 3)")
         if not len(triangles):
-            raise InputError("the surface has no triangles; at least one is needed")
+            raise NoMeshError("the surface has no triangles; at least one is needed")
         _check_range(triangles, len(points))
         _store(self, "points", points)
         _store(self, "triangles", triangles)
@@ -157,13 +157,15 @@ class TetMesh:
         points = _points(self.points)
         tets = _indices(self.tets, "tets")
         if tets.ndim != 2 or tets.shape[1] != 4:
-            raise InputError(f"tets have shape {tets.shape}; allowed is (m, 4)")
+            raise NoMeshError(f"tets have shape {tets.shape}; allowed is (m, 4)")
         if not len(tets):
-            raise InputError("the mesh has no tetrahedra; at least one is needed")
+            raise NoMeshError("the mesh has no tetrahedra; at least one is needed")
         _check_range(tets, len(points))
         for cells, width in ((self.facets, 3), (self.edges, 2), (self.nodes, 1)):
             if cells.vertices.shape[1] != width:
-                raise InputError(f"{_KIND[width]} cells have {cells.vertices.shape[1]} points each; allowed is {width}")
+                raise NoMeshError(
+                    f"{_KIND[width]} cells have {cells.vertices.shape[1]} points each; allowed is {width}"
+                )
             _check_range(cells.vertices, len(points))
         _check_distinct(tets)
         tets, flipped = _orient(points, tets)
@@ -238,17 +240,17 @@ def _store_mapping(owner: object, name: str, values: Mapping[str, Any]) -> None:
 def _points(values: ArrayLike) -> Floats:
     points = np.array(values, dtype=np.float64, order="C")
     if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"points have shape {points.shape}; allowed is (n, 3)")
+        raise NoMeshError(f"points have shape {points.shape}; allowed is (n, 3)")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
-        raise InputError(f"point {bad[0]} is {show_row(points[bad[0]])}{and_more(bad)}; coordinates must be finite")
+        raise NoMeshError(f"point {bad[0]} is {show_row(points[bad[0]])}{and_more(bad)}; coordinates must be finite")
     return points
 
 
 def _indices(values: ArrayLike, what: str) -> Ints:
     given = np.asarray(values)
     if given.dtype.kind not in "iu" and given.size:
-        raise InputError(f"{what} have dtype {given.dtype}; allowed are integers")
+        raise NoMeshError(f"{what} have dtype {given.dtype}; allowed are integers")
     return np.array(given, dtype=np.int64, order="C")
 
 
@@ -258,7 +260,7 @@ def _check_range(cells: Ints, count: int) -> None:
     bad = np.flatnonzero(((cells < 0) | (cells >= count)).any(axis=1))
     if len(bad):
         kind = _KIND[cells.shape[1]]
-        raise InputError(
+        raise NoMeshError(
             f"{kind} {bad[0]} is {show_row(cells[bad[0]])}{and_more(bad)}; indices must lie in 0..{count - 1}"
         )
 
@@ -273,7 +275,7 @@ def _check_distinct(tets: Ints) -> None:
         keys[start : start + _CHUNK] = ordered.astype(np.uint64) @ _MIX
     repeated = np.concatenate([*bad, np.empty(0, dtype=np.int64)])
     if len(repeated):
-        raise InputError(
+        raise NoMeshError(
             f"tet {repeated[0]} is {show_row(tets[repeated[0]])}{and_more(repeated)}; its four vertices must differ"
         )
     ascending = np.sort(keys)
@@ -284,7 +286,7 @@ def _check_distinct(tets: Ints) -> None:
     twins = np.flatnonzero((sequel[1:] == sequel[:-1]).all(axis=1))
     if len(twins):
         first, second = sorted((int(alike[order[twins[0]]]), int(alike[order[twins[0] + 1]])))
-        raise InputError(
+        raise NoMeshError(
             f"tet {second} repeats tet {first}, vertices {show_row(tets[first])}{and_more(twins)}; each may occur once"
         )
 
@@ -294,7 +296,7 @@ def _orient(points: Floats, tets: Ints) -> tuple[Ints, int]:
     turned, signs = predicates.turned(points, tets)
     flat = np.flatnonzero(signs == 0)
     if len(flat):
-        raise InputError(
+        raise NoMeshError(
             f"tet {flat[0]}, vertices {show_row(tets[flat[0]])}, has zero volume{and_more(flat)}; it must not"
         )
     return turned, int((signs < 0).sum())
@@ -305,7 +307,7 @@ def _tags(values: ArrayLike | None, count: int, kind: str) -> Ints:
         return np.zeros(count, dtype=np.int64)
     tags = _indices(values, f"{kind} tags")
     if tags.shape != (count,):
-        raise InputError(f"{kind} tags have shape {tags.shape}; allowed is ({count},)")
+        raise NoMeshError(f"{kind} tags have shape {tags.shape}; allowed is ({count},)")
     return tags
 
 
@@ -316,7 +318,7 @@ def _data(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, N
         if not array.dtype.isnative:
             array = array.astype(array.dtype.newbyteorder("="))
         if array.ndim == 0 or len(array) != count:
-            raise InputError(f"{kind} data {name!r} has shape {array.shape}; its length must be {count}")
+            raise NoMeshError(f"{kind} data {name!r} has shape {array.shape}; its length must be {count}")
         array.setflags(write=False)
         out[str(name)] = array
     return out
@@ -327,7 +329,7 @@ def _sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, I
     for name, given in values.items():
         members = _indices(given, f"members of {kind} set {name!r}")
         if members.ndim != 1 or (len(members) and not (members.min() >= 0 and members.max() < count)):
-            raise InputError(f"{kind} set {name!r} must be a list of indices in 0..{count - 1}")
+            raise NoMeshError(f"{kind} set {name!r} must be a list of indices in 0..{count - 1}")
         members.setflags(write=False)
         out[str(name)] = members
     return out

@@ -15,7 +15,7 @@ from typing import Any
 
 from wct_plugin import pipeline_json
 from wct_plugin.ends import Reader, ReadMesh, Writer, writer_type
-from wct_plugin.errors import OptionError, WctError
+from wct_plugin.errors import InternalError, OptionError, WctError
 from wct_plugin.flow import Flow
 from wct_plugin.result import Result, StageResult, goal_of
 from wct_plugin.stage import Filter, Kind, Mesh, Metrics, Options, ProgressCallback, Stage
@@ -165,10 +165,13 @@ def _named(steps: Sequence[Step], index: int) -> Iterator[None]:
     """Put the stage's place and type before the message of what is raised."""
     try:
         yield
+    except InternalError as error:
+        error.add_note(f"in {label(steps, index)}")
+        raise
     except WctError as error:
         error.args = (f"{label(steps, index)}: {unnamed(str(error), steps[index].stage.type())}", *error.args[1:])
         raise
-    except Exception as error:  # a bug, maybe another package's: whose it is helps
+    except Exception as error:  # a bug outside a filter's run: where it was helps
         error.add_note(f"in {label(steps, index)}")
         raise
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin import _core
+from wct_plugin.errors import InputError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.surface import Strata, bends, components, normals, strata, surface_edges, surface_strata
 
@@ -73,11 +74,16 @@ def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> R
 
 
 def clean(surface: SurfaceMesh) -> SurfaceMesh:
-    """The surface with equal points merged, flat and repeated triangles dropped."""
+    """The surface with equal points merged, flat and repeated triangles dropped.
+
+    Raises :class:`InputError` where all of them are flat.
+    """
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[surface.triangles]
     area = np.linalg.norm(normals(points, triangles), axis=1)
     sound = area > 1e-14 * surface.diagonal**2
+    if not sound.any():
+        raise InputError(f"{surface.source or 'the reference'}: all triangles have zero area; at least one must not")
     triangles, tags = triangles[sound], surface.tags[sound]
     _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     triangles, tags = triangles[np.sort(first)], tags[np.sort(first)]

@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wct_plugin.errors import OptionError, WctError
+from wct_plugin.faults import told_apart
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 Mesh = TetMesh | SurfaceMesh
@@ -109,10 +110,13 @@ class Filter(Stage[O_co]):
     measures: ClassVar[bool] = False  #: whether its metrics are what :func:`~wct_plugin.report.make_report` can reuse
 
     def __call__(self, mesh: Mesh | None = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
-        """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run."""
+        """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run.
+
+        Raises :class:`InternalError` where the filter itself is at fault.
+        """
         self.check_takes(None if mesh is None else type(mesh))
         self.validate()
-        return self.run(mesh, progress or _silent)
+        return told_apart(self.run, mesh, progress or _silent)
 
     @abstractmethod
     def run(self, mesh: Any, progress: ProgressCallback) -> tuple[Mesh, Metrics]:

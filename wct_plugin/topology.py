@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from wct_plugin.errors import InputError
+from wct_plugin.errors import NoMeshError
 
 Ints = NDArray[np.int64]
 
@@ -43,7 +43,7 @@ class Topology:
         crowd = np.flatnonzero(same[1:] & same[:-1])
         if len(crowd):
             tets = sorted(int(half) // 4 for half in order[crowd[0] : crowd[0] + 3])
-            raise InputError(
+            raise NoMeshError(
                 f"facet {tuple(int(v) for v in triples[crowd[0]])} belongs to tets {tets[0]}, {tets[1]} and {tets[2]}; "
                 "at most two may share one"
             )

@@ -417,7 +417,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             found = std::move(next);
     }
     const auto too_many_off = [&](const Start &start) {
-        return static_cast<double>(start.off) > form.few_off * static_cast<double>(surface_facets(start.complex).size());
+        return static_cast<double>(start.off) >
+               form.few_off * static_cast<double>(surface_facets(start.complex).size());
     };
     if (!renewal && found && found->intact && too_many_off(*found) && !monitor.stopped()) {
         shrink(measure_deviation(found->cloud, found->complex, reference, workers), sizing, form);

@@ -124,8 +124,8 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
     };
     if (!std::all_of(inside.begin(), inside.end(), on_wall))
         return false; // a vertex would be left without a tet
-    // Round the free border of a sheet, and round a wire, nothing of the surface stops a cavity: it may hold all tets at
-    // an edge of them, which would be no edge any more.
+    // Round the free border of a sheet, and round a wire, nothing of the surface stops a cavity: it may hold all tets
+    // at an edge of them, which would be no edge any more.
     for (const Edge &edge : creases)
         if (std::none_of(wall.begin(), wall.end(), [&](const Facet &f) {
                 return std::find(f.begin(), f.end(), edge[0]) != f.end() &&
