@@ -93,10 +93,15 @@ void SurfaceGuide::make_curves(const Surface &surface) {
     const auto &[points, triangles, patch, segments, curve] = surface;
     const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
     std::map<Edge, std::set<int>> planes; // planar patches at each edge
+    std::set<Edge> curved;                // edges of the others
     for (std::size_t k = 0; k < triangles.size(); ++k)
-        if (patches_[patch[k]].planar)
-            for (int i = 0; i < 3; ++i)
-                planes[sorted(triangles[k][i], triangles[k][(i + 1) % 3])].insert(patch[k]);
+        for (int i = 0; i < 3; ++i) {
+            const Edge edge = sorted(triangles[k][i], triangles[k][(i + 1) % 3]);
+            if (patches_[patch[k]].planar)
+                planes[edge].insert(patch[k]);
+            else
+                curved.insert(edge);
+        }
     std::vector<std::vector<Edge>> of_curve(curves);
     for (std::size_t k = 0; k < segments.size(); ++k)
         of_curve[curve[k]].push_back(segments[k]);
@@ -104,7 +109,7 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         std::vector<std::array<Vec3, 2>> pieces;
         for (const Edge &s : members)
             pieces.push_back({points[s[0]], points[s[1]]});
-        Curve one{BoundingTree<2>(std::move(pieces)), false, {}, {}, {}};
+        Curve one{BoundingTree<2>(std::move(pieces)), false, false, {}, {}, {}};
         Vec3 far = {};
         double extent = 0.0, off = 0.0;
         if (!members.empty())
@@ -124,6 +129,8 @@ void SurfaceGuide::make_curves(const Surface &surface) {
             std::erase_if(shared, [&](int p) { return !planes[sorted(s[0], s[1])].contains(p); });
         // Where two planes are kept, so is their line.
         one.straight = (extent > kept_ || shared.size() > 1) && off <= kFlat * extent;
+        one.bare = !one.straight && std::none_of(members.begin(), members.end(),
+                                                 [&](const Edge &s) { return curved.contains(sorted(s[0], s[1])); });
         if (!shared.empty()) // a curved line has one plane
             one.normal = patches_[*shared.begin()].normal;
         curves_.push_back(std::move(one));

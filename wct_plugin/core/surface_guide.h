@@ -74,6 +74,9 @@ class SurfaceGuide {
     /// Unit normal of the patch where it is closest to x.
     Vec3 normal(int patch, const Vec3 &x) const;
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
+    /// Whether the curve bends and no curved patch is beside it, as round a flat sheet and along a wire: then no facet
+    /// that is held near its patch holds the crease near the curve.
+    bool bare(int curve) const { return curves_[curve].bare; }
 
     /// Points of the surface that facets must stay near, too: vertices of curved patches, and points on edges where
     /// they bend.
@@ -104,6 +107,7 @@ class SurfaceGuide {
     struct Curve {
         BoundingTree<2> tree;
         bool straight = false;
+        bool bare = false;
         Vec3 direction, origin;
         std::optional<Vec3> normal; // of the planar patch at the curve
     };

@@ -133,6 +133,14 @@ bool SurfaceWatch::replace() {
 void SurfaceWatch::gather(int v) {
     clear();
     vertex_ = v;
+    along_.clear();
+    if (const Vertex &vertex = complex_.vertex(v); vertex.stratum == Stratum::crease && guide_.bare(vertex.label))
+        for (const int t : complex_.star(v))
+            for (const int w : complex_.tet(t))
+                if (w != v && complex_.curve_of(v, w) == vertex.label &&
+                    std::find(along_.begin(), along_.end(), w) == along_.end() &&
+                    guide_.allows_crease(vertex.label, vertex.position, complex_.point(w)))
+                    along_.push_back(w);
     complex_.surface_at(v, facets_);
     for (const auto &[key, facet] : facets_)
         old_.push_back(present(key, *facet));
@@ -147,8 +155,14 @@ void SurfaceWatch::gather(int v) {
         allows(allowed_.at); // so that cost and gradient are there
 }
 
+bool SurfaceWatch::creases_allow(const Vec3 &x) const {
+    return std::all_of(along_.begin(), along_.end(), [&](int w) {
+        return guide_.allows_crease(complex_.vertex(vertex_).label, x, complex_.point(w));
+    });
+}
+
 bool SurfaceWatch::allows(const Vec3 &x) {
-    if (!facets_allow(x))
+    if (!creases_allow(x) || !facets_allow(x))
         return false;
     allowed_.at = x;
     allowed_.pieces = new_;

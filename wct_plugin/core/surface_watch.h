@@ -67,6 +67,7 @@ class SurfaceWatch {
         Facet to;
     };
     bool facets_allow(const Vec3 &x);
+    bool creases_allow(const Vec3 &x) const;
     Piece piece(const Facet &key, int patch) const;
     /// One that is in the complex.
     Piece present(const Facet &key, const TetComplex::SurfaceFacet &facet) const;
@@ -85,7 +86,8 @@ class SurfaceWatch {
 
     TetComplex &complex_;
     const SurfaceGuide &guide_;
-    int vertex_ = -1; // that moves, or -1 while facets are replaced
+    int vertex_ = -1;        // that moves, or -1 while facets are replaced
+    std::vector<int> along_; // ends of its creases that no facet holds near their curve, and that are near it
     std::vector<Piece> old_;
     std::vector<Piece> new_;
     std::vector<Handed> handed_;
