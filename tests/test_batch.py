@@ -90,7 +90,13 @@ def test_a_record_holds_what_was_done(done):
     assert good["versions"]["wct_plugin"]
     assert good["after"]["tets"] == len(bcc(2).tets)
     assert good["goals"] == [
-        {"stage": "filters.apply_coord_well_centering", "goal": "3wc", "tets": len(bcc(2).tets), "missed": 0}
+        {
+            "stage": "filters.apply_coord_well_centering",
+            "goal": "3wc",
+            "tets": len(bcc(2).tets),
+            "missed": 0,
+            "valid": True,
+        }
     ]
     assert "apply_coord_well_centering" in good["metrics"]
     assert (good["exit_code"], good["cause"], good["output"]) == (0, None, "good0.vtu")
