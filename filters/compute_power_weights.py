@@ -103,6 +103,7 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
                 "percent": 100.0 * (count - len(outside)) / count,
             },
             "margin": float(np.nanmin(found.margins)),
+            "stopped": stopped,
             "without_orthocenter": outside[:_NAMED].tolist(),
             "contradictions": {
                 "missed_at_least": separate(proven),

@@ -13,6 +13,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from wct_plugin import conforming, edge_length, quality, scaling, starts
 from wct_plugin.adapters import meshio
+from wct_plugin.deviation import deviation
 from wct_plugin.edge_length import EdgeLength
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.fidelity import beyond, fidelity
@@ -20,15 +21,17 @@ from wct_plugin.goals import DUAL, misses
 from wct_plugin.listener import Listener
 from wct_plugin.local_search import LocalSearch, best
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.overlap import overlap
 from wct_plugin.quality import Quality
 from wct_plugin.reference import Reference, gap, own_boundary
 from wct_plugin.reference_choice import choose
-from wct_plugin.released import released
+from wct_plugin.released import Released, released
 from wct_plugin.remaining import remaining
 from wct_plugin.shape_floor import shape_floor
 from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
 from wct_plugin.starts import Start
 from wct_plugin.surface import find_rows, strata, surface_edges
+from wct_plugin.thickness import thinnest
 from wct_plugin.transfer import carry, resampled
 
 Floats = NDArray[np.float64]
@@ -69,6 +72,7 @@ class MeshingOptions(Options):
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
+    force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
     @field_validator("edge_length", mode="before")
     @classmethod
@@ -86,6 +90,8 @@ class MeshingOptions(Options):
     def _cheapest(self) -> Self:
         if self.goal in DUAL and self.edge_length is not None:
             raise ValueError(f"edge_length asks for other edges, goal {self.goal} for the cheapest change: drop one")
+        if self.goal in DUAL and self.force:
+            raise ValueError(f"force asks for a new mesh, goal {self.goal} for the cheapest change: drop one")
         return self
 
 
@@ -106,6 +112,8 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     reference has no edges follow their own facets instead of it, as do those that it does not bound.
     The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
     move too, those inside go where they crowd it, new ones come on it where its own are too far apart.
+    A mesh that meets the goal, with its boundary within the tolerance, stays as it is, to the bit, also where it falls
+    short of the margin; ``force`` or an edge length makes it anew.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
     The unit of length is no matter: bounding boxes of 1e-90 to 1e90 across are taken, others are refused.
     """
@@ -127,25 +135,49 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         if surface:
             scaling.check_reference(surface, mesh)
         wanted = edge_length.at_points(self.options.edge_length, mesh)
+        tangled = overlap(mesh)
+        if tangled:
+            warnings.warn(
+                f"{mesh.source or 'the mesh'} overlaps itself: tets {tangled[0]} and {tangled[1]} do,"
+                f" {_where(mesh, tangled)}; a result that still does is not valid and meets no goal",
+                WctWarning,
+                stacklevel=3,
+            )
         unit = scaling.exponent(mesh.points)
         normalized = scaling.scaled(replace(mesh, reference=surface), -unit)
         own = own_boundary(normalized, self.options.crease_angle)
         if self.options.goal in DUAL:
-            found = self._conform(normalized, own, progress)
+            found = self._conform(normalized, own, unit, progress)
         else:
             found = self._well_center(
-                normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), progress
+                normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), unit, progress
             )
-        better = mesh if found.mesh is normalized else scaling.scaled(found.mesh, unit)
-        better = replace(better, reference=surface)
+        better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
+        if found.mesh is not normalized:
+            new = replace(scaling.scaled(found.mesh, unit), reference=surface)
+            crossed = None if tangled else overlap(new)
+            if crossed:
+                warnings.warn(
+                    f"the new mesh overlaps itself {_where(new, crossed)}; the mesh stays as it is: a smaller tolerance"
+                    " or shorter edges may help",
+                    WctWarning,
+                    stacklevel=3,
+                )
+                work = {**found.work, "released": _no_crease(own)}
+                found = found._replace(mesh=normalized, measured=quality.measure(normalized), work=work)
+            else:
+                better = new
         tolerance = math.ldexp(found.tolerance, unit)
         result = self._judge(mesh, own, better, found.measured, tolerance, stopped=found.work["stopped"])
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
 
     def _well_center(
-        self, mesh: TetMesh, own: Reference, wanted: Floats | None, progress: ProgressCallback
+        self, mesh: TetMesh, own: Reference, wanted: Floats | None, unit: int, progress: ProgressCallback
     ) -> "_Found":
-        """The mesh resampled, or made from itself, with as few bad tets as the search gets to."""
+        """The mesh resampled, or made from itself, with as few bad tets as the search gets to.
+
+        It is in 2 ** ``unit`` of the user's unit of length.
+        """
         options = self.options
         surface = mesh.reference
         moves = options.boundary == "move"
@@ -162,34 +194,37 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
-        listen = Listener(progress, self._bad(mesh, measured))
+        bad = self._bad(mesh, measured)
+        if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
+            none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
+            return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)})
+        self._warn_of_thin_walls(mesh, tolerance, unit)
+        listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, held, wanted)
-        if fresh is not None and not listen.stopped:
+        if fresh is not None:
             tried = search.run_finer(fresh, reference, held, wanted)
-        elif moves:
-            reference = own
-            start = starts.from_mesh(mesh, own, pinned=False)
-            if wanted is not None:
-                start["size"] = wanted
-            tried = [search.run(start, own, held)]
         else:
-            start = self._pinned_start(mesh, own, wanted, listen)
-            tried = [search.run(start, own, held, search.worth)]
+            reference = own
+            start = self._own_start(mesh, own, wanted, listen)
+            tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
+        work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
+        if not tried:  # stopped before there was any other mesh
+            work |= {"stopped": True, "kept": False, "released": _no_crease(own)}
+            return _Found(mesh, measured, tolerance, work)
         found = best(tried)
         better = carry(mesh, own.strata, resampled(found, reference))
         listen.measure(found["bad"])
         after = quality.measure(better)
-        gain = self._bad(mesh, measured) * len(after) - self._bad(better, after) * len(measured)
+        gain = bad * len(after) - self._bad(better, after) * len(measured)
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
-        work["stopped"] = listen.stopped
+        work["stopped"], work["kept"] = listen.stopped, False
         work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
         return _Found(better, after, tolerance, work)
 
@@ -201,15 +236,18 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     def _bad(self, mesh: TetMesh, measured: Quality) -> int:
         return int(misses(mesh, measured, self.options.goal).sum())
 
-    def _conform(self, mesh: TetMesh, own: Reference, progress: ProgressCallback) -> "_Found":
-        """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is."""
+    def _conform(self, mesh: TetMesh, own: Reference, unit: int, progress: ProgressCallback) -> "_Found":
+        """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is; ``unit`` as above."""
         options = self.options
         surface = mesh.reference
         tolerance = (options.tolerance or own.auto_tolerance()) * (surface or mesh).diagonal
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
+        if not bad:
+            return _Found(mesh, after, tolerance, {"stopped": False, "kept": True})
+        self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
-        if bad and not listen.stopped:
+        if not listen.stopped:
             asked: _Asked = {
                 "one_sided": options.goal == "one-sided",
                 "effort": options.effort,
@@ -228,7 +266,23 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             elif not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
             listen.measure(bad)
-        return _Found(better, after, tolerance, {"stopped": listen.stopped})
+        return _Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False})
+
+    def _warn_of_thin_walls(self, mesh: TetMesh, tolerance: float, unit: int) -> None:
+        """Say where the two sides of a wall, each within the tolerance, may meet."""
+        thin = None if self.options.boundary == "fixed" else thinnest(mesh, 2.0 * tolerance)
+        if not thin:
+            return
+        body = "the body" if (mesh.regions == thin.region).all() else f"region {thin.region}"
+        thickness, x, y, z = (math.ldexp(one, unit) for one in (thin.thickness, *thin.place))
+        diagonal = (mesh.reference or mesh).diagonal
+        warnings.warn(
+            f"{body} is {thickness:.3g} thick near ({x:.4g}, {y:.4g}, {z:.4g}), thinner than twice the tolerance of"
+            f" {tolerance / diagonal:.2e} of the diagonal, within which its two sides may meet; use a tolerance below"
+            f" {thin.thickness / 2.0 / diagonal:.2e}",
+            WctWarning,
+            stacklevel=4,
+        )
 
     def _judge(
         self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
@@ -251,11 +305,14 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         shape = shape_floor(new, measured, old, own.strata, tolerance)
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
-    def _pinned_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
-        """The mesh, or its inside filled anew: whichever has the smaller share of bad tets."""
-        start = starts.from_mesh(mesh, own, pinned=True)
+    def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
+        """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
+        moves = self.options.boundary == "move"
+        start = starts.from_mesh(mesh, own, pinned=not moves)
         if size is not None:
             start["size"] = size
+        if moves or listen.stopped:
+            return start
         acute, seed = self.options.goal == "cwc", self.options.seed + 1
         refilled = starts.refill(start, own.sides, size, acute=acute, seed=seed, progress=listen.resample)
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
@@ -279,6 +336,25 @@ class _Asked(TypedDict):
     effort: int
     seed: int
     progress: Callable[[float, int], bool]
+
+
+def _where(mesh: TetMesh, tets: tuple[int, int]) -> str:
+    """The place of two tets that overlap."""
+    x, y, z = mesh.points[mesh.tets[list(tets)]].mean(axis=(0, 1)).tolist()
+    return f"near ({x:.4g}, {y:.4g}, {z:.4g})"
+
+
+def _no_crease(own: Reference) -> Released:
+    """What is said of creases that became ordinary surface, where the mesh stays as it is."""
+    return released(own, np.empty(0, dtype=np.int64))
+
+
+def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: float) -> bool:
+    """Whether the boundary is within the tolerance of the reference, both ways; it is where that is its own."""
+    if reference is own:
+        return True
+    surface = SurfaceMesh(reference.points, reference.strata.triangles)
+    return deviation(mesh.boundary_surface(), surface, compiled=True).max <= tolerance
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

@@ -8,15 +8,20 @@ from pathlib import Path
 
 def working_in(folder: Path) -> list[str]:
     """The command lines of all processes whose working directory is ``folder`` or in it, zombies left out."""
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
+    return list(processes_in(folder).values())
+
+
+def processes_in(folder: Path) -> dict[int, str]:
+    """The same by the processes' numbers, which they have in the order of their start."""
+    found = {}
+    for process in sorted(Path("/proc").glob("[0-9]*"), key=lambda one: int(one.name)):
         try:
             place = Path(os.readlink(process / "cwd"))
             command = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
         except OSError:  # it has ended meanwhile, or belongs to someone else
             continue
         if command and (place == folder or folder in place.parents):
-            found.append(command)
+            found[int(process.name)] = command
     return found
 
 

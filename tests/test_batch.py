@@ -1,5 +1,6 @@
 """Batches: what a broken file costs, what is written, and what is done again."""
 
+import contextlib
 import csv
 import json
 import os
@@ -7,15 +8,15 @@ import signal
 import statistics
 import subprocess
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 
 import mixed_batch
 import pytest
 from builders import bcc, jittered_cube, single
-from processes import children, wait_until, working_in
+from processes import children, processes_in, wait_until, working_in
 
 import wct_plugin as wct
+from wct_plugin import cli
 from wct_plugin.batch_job import digest
 from wct_plugin.errors import OptionError
 
@@ -27,7 +28,7 @@ def lines(folder, name="manifest.jsonl"):
     return [json.loads(line) for line in (folder / name).read_text().splitlines()]
 
 
-@contextmanager
+@contextlib.contextmanager
 def started(command, folder):
     """A batch at work, killed at the latest when the test is done with it."""
     with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as batch:
@@ -187,7 +188,9 @@ def test_killed_and_resumed_nothing_is_redone_or_left_partial(tmp_path):
     assert left == {f"good{k:02}.vtu" for k in range(8)} | {"manifest.jsonl", "summary.csv", "summary.html"}
 
 
-def test_ctrl_c_ends_the_jobs_and_keeps_the_manifest(tmp_path, monkeypatch):
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_the_jobs_and_keeps_the_manifest(sent, tmp_path, monkeypatch):
+    """Ctrl-C goes to the batch alone, SIGTERM from a batch scheduler to every process of it, the first one first."""
     mixed_batch.break_tetgen(tmp_path / "bin", monkeypatch)
     mixed_batch.make(tmp_path / "in", good=3, bad=1)
     command = [WCT, "batch", "chain.json", "good*.ply", "hang*.ply", "-o", "out", "--format", "vtu", "--jobs", "2"]
@@ -196,13 +199,26 @@ def test_ctrl_c_ends_the_jobs_and_keeps_the_manifest(tmp_path, monkeypatch):
         wait_until(lambda: len(list(out.glob("good*.vtu"))) == 3, 60)
         wait_until(lambda: len([line for line in working_in(tmp_path) if line.startswith("sleep")]) == 2)
         wait_until(lambda: len(lines(out)) == 3)
-        batch.send_signal(signal.SIGINT)
+        for process in [batch.pid] if sent == signal.SIGINT else processes_in(tmp_path):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, sent)
         _, said = batch.communicate(timeout=20)
     assert batch.returncode == 2
     assert said.endswith("error: interrupted; 3 of 4 files are finished, --resume goes on with the rest\n")
     wait_until(lambda: not working_in(tmp_path), 2)
     assert len(lines(out)) == 3
     assert not list(out.glob(".*"))
+
+
+def test_a_full_disk_tells_what_is_finished(place, small_disk, capsys):
+    wct.write("large.vtu", jittered_cube(8))
+    Path("chain.json").write_text(json.dumps([{"type": "filters.get_quality"}]))
+    assert cli.run(["batch", "chain.json", "c0.vtu", "large.vtu", "-o", str(small_disk), "--jobs", "1", "-q"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "No space left on device" in said
+    assert "; 1 of 2 files are finished" in said
+    assert (small_disk / "c0.vtu").exists()
 
 
 def test_ctrl_c_during_the_summaries_tells_what_is_finished(place, monkeypatch):
@@ -265,6 +281,19 @@ def test_a_lost_server_is_started_again_and_its_jobs_with_it(place):
 
     done = wct.run_batch(QUALITY, ["c*.vtu"], "out", jobs=1, progress=kill_once)
     assert len(killed) == 1
+    assert [record.exit_code for record in done.records] == [0, 0, 0]
+
+
+def test_sigterm_to_the_server_is_left_to_the_caller(place):
+    seen = set()
+
+    def send(state):
+        for process in children("batch_server") if state.last is not None else ():
+            seen.add(process)
+            os.kill(process, signal.SIGTERM)
+
+    done = wct.run_batch(QUALITY, ["c*.vtu"], "out", jobs=1, progress=send)
+    assert len(seen) == 1
     assert [record.exit_code for record in done.records] == [0, 0, 0]
 
 

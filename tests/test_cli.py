@@ -160,8 +160,8 @@ def test_json_to_stdout_is_nothing_but_json(cube, tmp_path, capsys):
     assert set(json.loads(capsys.readouterr().out)) == {"before", "after", "filters", "provenance"}
 
 
-def on_a_terminal(folder, arguments, interrupt_at=None):
-    """Run wct with a terminal for stderr, Ctrl-C when it first shows ``interrupt_at``; exit code, stdout, stderr."""
+def on_a_terminal(folder, arguments, signal_at=None, *signals):
+    """Run wct with a terminal for stderr, signals when it first shows ``signal_at``; exit code, stdout, stderr."""
     ours, theirs = pty.openpty()
     environment = os.environ | {"TERM": "xterm", "COLUMNS": "120"}
     with (folder / "stdout").open("w+") as out:
@@ -171,20 +171,21 @@ def on_a_terminal(folder, arguments, interrupt_at=None):
         with contextlib.suppress(OSError):  # the terminal is gone when the child is
             while part := os.read(ours, 65536).decode(errors="replace"):
                 shown += re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", part)
-                if interrupt_at and interrupt_at in shown:
-                    child.send_signal(signal.SIGINT)
-                    interrupt_at = None
+                if signal_at and signal_at in shown:
+                    for one in signals:
+                        child.send_signal(one)
+                    signal_at = None
         os.close(ours)
         code = child.wait(60)
         out.seek(0)
         return code, out.read(), shown
 
 
-@pytest.mark.parametrize("stage", ["resampling", "local search: passes"])
-def test_ctrl_c_keeps_the_best_so_far(stage, tmp_path):
+@pytest.mark.parametrize(("stage", "sent"), [("resampling", signal.SIGTERM), ("local search: passes", signal.SIGINT)])
+def test_ctrl_c_and_sigterm_keep_the_best_so_far(stage, sent, tmp_path):
     before = jittered_cube(16, 0)
     wct.write(tmp_path / "big.vtu", before)
-    code, out, err = on_a_terminal(tmp_path, ["optimize", "big.vtu", "out.vtu", "--json", "out.json"], stage)
+    code, out, err = on_a_terminal(tmp_path, ["optimize", "big.vtu", "out.vtu", "--json", "out.json"], stage, sent)
     assert code == 1, err
     assert "the best so far is kept" in err
     assert "tets miss the goal" in out
@@ -195,6 +196,16 @@ def test_ctrl_c_keeps_the_best_so_far(stage, tmp_path):
     left = json.loads((tmp_path / "out.json").read_text())["filters"]["meshing_well_centered"]
     assert left["stopped"]
     assert left["remaining"]["count"] == (~good[1]).sum() > 0
+
+
+def test_a_second_signal_gives_up(tmp_path):
+    """One of each kind at once: two of the same kind that are not taken up yet count as one."""
+    wct.write(tmp_path / "big.vtu", jittered_cube(16, 0))
+    work = ["optimize", "big.vtu", "out.vtu", "--json", "out.json"]
+    code, _, err = on_a_terminal(tmp_path, work, "resampling", signal.SIGINT, signal.SIGTERM)
+    assert code == 2
+    assert err.splitlines()[-1] == "error: interrupted; nothing was written"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["big.vtu", "stdout"]
 
 
 def test_progress_shows_stage_bad_tets_and_time_on_a_terminal(tmp_path):

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from wct_plugin.errors import OutputError
-from wct_plugin.files import check_writable, replacing
+from wct_plugin.files import check_writable, noting, replacing
 
 
 def test_what_can_be_written_passes_and_leaves_nothing(tmp_path: Path) -> None:
@@ -91,3 +91,41 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
         path.write_text("new")
     assert (tmp_path / "link.vtu").is_symlink()
     assert (tmp_path / "real.vtu").read_text() == "new"
+
+
+def test_what_got_its_name_is_noted_by_the_callers_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("real.vtu").write_text("old")
+    Path("link.vtu").symlink_to("real.vtu")
+    with replacing("before.vtu") as path:
+        path.write_text("new")
+    with noting() as written:
+        for name in ("b.ele", "link.vtu", "a.vtu", "a.vtu"):
+            with replacing(name) as path:
+                path.write_text("new")
+                if name == "b.ele":
+                    path.with_suffix(".node").write_text("new")
+        with pytest.raises(KeyboardInterrupt), replacing("c.vtu"):
+            raise KeyboardInterrupt
+    with replacing("after.vtu") as path:
+        path.write_text("new")
+    assert written.names() == ["b.node", "b.ele", "link.vtu", "a.vtu"]
+
+
+def test_an_interrupt_before_or_after_the_renaming_does_not_deceive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.vtu").write_text("old")
+    rename = Path.replace
+    for renamed in (False, True):
+
+        def interrupted(file: Path, target: Path, renamed: bool = renamed) -> None:
+            if renamed:
+                rename(file, target)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(Path, "replace", interrupted)
+        with noting() as written, pytest.raises(KeyboardInterrupt), replacing(tmp_path / "a.vtu") as path:
+            path.write_text("new")
+        assert written.names() == [str(tmp_path / "a.vtu")] * renamed
+        assert (tmp_path / "a.vtu").read_text() == ("new" if renamed else "old")

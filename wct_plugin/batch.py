@@ -22,7 +22,7 @@ from wct_plugin.batch_executors import DaskExecutor, Executor, Finished, LocalEx
 from wct_plugin.batch_isolation import cores
 from wct_plugin.batch_job import Job, Record, failure
 from wct_plugin.batch_manifest import Manifest
-from wct_plugin.errors import OptionError, one_line
+from wct_plugin.errors import OptionError, OutputError, one_line
 from wct_plugin.pipeline import Pipeline
 from wct_plugin.stage import Filter, Options
 
@@ -118,6 +118,8 @@ def run_batch(
     ------
     WctError
         Before anything starts, for whatever is wrong with the pipeline, the inputs, the directory or the options.
+    OutputError
+        When the directory takes no more files; as the next.
     KeyboardInterrupt
         When Ctrl-C is pressed; it says how many files are finished, and what ran is ended.
     """
@@ -140,12 +142,14 @@ def run_batch(
         timeout=timeout,
         memory=None if memory_limit is None else math.ceil(memory_limit * _MEGABYTE),
     )
+    started = False
     try:
         with ExitStack() as stack:
             stack.callback(manifest.close)
             executor = _executor(scheduler, target.resolve(), jobs)
             stack.callback(executor.stop)
             manifest.open(resume=resume or retry_failed)
+            started = True
             waiting, found = [], []
             for task in tasks:
                 job = make(task.source, task.name)
@@ -162,10 +166,10 @@ def run_batch(
         ):
             with files.replacing(path) as temporary:
                 temporary.write_text(text, encoding="utf-8")
-    except KeyboardInterrupt as error:
-        error.args = (
-            f"{manifest.count(make(one.source, one.name) for one in tasks)} of {len(tasks)} files are finished",
-        )
+    except (KeyboardInterrupt, OutputError) as error:
+        if started or isinstance(error, KeyboardInterrupt):
+            count = manifest.count(make(one.source, one.name) for one in tasks)
+            error.args = ("; ".join([*map(str, error.args), f"{count} of {len(tasks)} files are finished"]),)
         raise
     return BatchResult(tuple(batch_summary.ordered(found)), len(waiting), csv, html)
 

@@ -132,7 +132,7 @@ def _run(job: Job, output: Path) -> dict[str, Any]:
     if not Path(job.source).exists():  # it was there when the batch started
         raise InputError(f"{job.source}: no such file any more")
     result = Pipeline.from_json(job.pipeline).between(job.source, [output / job.name]).execute()
-    missed = [str(goal) for goal in result.goals if goal.missed]
+    missed = [str(goal) for goal in result.goals if not goal.met]
     return {
         "exit_code": 1 if missed else 0,
         "cause": "; ".join(missed) or None,

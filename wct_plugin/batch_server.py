@@ -63,7 +63,8 @@ class Server:
             end.setblocking(False)
         signal.signal(signal.SIGCHLD, lambda *_: None)
         signal.set_wakeup_fd(wake.fileno(), warn_on_full_buffer=False)
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the caller's
+        for one in (signal.SIGINT, signal.SIGTERM):  # whoever sends them to every process means the caller, who ends us
+            signal.signal(one, signal.SIG_IGN)
         sessions.adopt_orphans()
         self._selector.register(self._control, selectors.EVENT_READ)
         self._selector.register(woken, selectors.EVENT_READ)
@@ -116,6 +117,7 @@ class Server:
         sessions.die_first()
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         self._selector.close()
         for other in (self._control, *(child.connection for child in self._children.values())):

@@ -14,7 +14,8 @@ def overlapping(low: Floats, high: Floats, other_low: Floats, other_high: Floats
     """
     if not len(low) or not len(other_low):
         return np.empty((0, 2), dtype=np.int64)
-    first, second = _Tree(low, high), _Tree(other_low, other_high)
+    first = _Tree(low, high)
+    second = first if low is other_low and high is other_high else _Tree(other_low, other_high)
     pairs = np.zeros((1, 2), dtype=np.int64)
     for level in range(max(first.levels, second.levels)):
         for side, tree in enumerate((first, second)):

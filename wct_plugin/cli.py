@@ -1,7 +1,8 @@
 """``wct``: parses and prints, nothing else.
 
-Exit codes as in ruff: 0 done and goal met, 1 done and goal missed (the output is written), 2 usage, input or crash.
-Results go to stdout; progress, warnings and errors to stderr, errors as one line.
+Exit codes as in ruff: 0 done and goal met, 1 done and goal missed (the output is written), 2 usage, input, crash or
+interrupt. Results go to stdout; progress, warnings and errors to stderr, errors as one line, which names what was
+written before.
 """
 
 import json
@@ -16,11 +17,12 @@ from typing import Any
 import click
 
 import wct_plugin as wct
-from wct_plugin import cli_options, pipeline_json, stage_page
+from wct_plugin import cli_options, files, pipeline_json, stage_page
 from wct_plugin.cli_batch import batch
 from wct_plugin.cli_create import create
 from wct_plugin.cli_demo import demo
 from wct_plugin.cli_group import Commands, completion
+from wct_plugin.cli_interrupt import raise_on_sigterm
 from wct_plugin.cli_report import report
 from wct_plugin.cli_run import run_pipeline
 from wct_plugin.cli_show import (
@@ -85,6 +87,7 @@ cli.add_command(completion)
 )
 @cli_options.filter_options(*_OPTIMIZERS)
 @cli_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
+@cli_options.msh_options
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option(
     "--html",
@@ -105,7 +108,8 @@ def optimize(
 ) -> int:
     """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
-    Exit code 0: every tet meets the goal. 1: not every one, the best mesh is written. 2: nothing is written.
+    Exit code 0: every tet meets the goal. 1: not every one, the best mesh is written. 2: an error or an interrupt,
+    which says what was written before it, if anything.
     """
     optimizer = find_filter(optimizer_name)(**cli_options.given(values, *_OPTIMIZERS))
     mesher_options = cli_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
@@ -115,7 +119,7 @@ def optimize(
         for path, form in ((json_path, "json"), (html_path, "html"))
         if path not in (None, "-")
     ]
-    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target), *reports]
+    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **cli_options.given_msh(values)), *reports]
     for writer in writers:  # before the file is read, which may take long
         writer.validate()
         writer.check_takes(TetMesh)
@@ -200,29 +204,34 @@ def filters(name: str | None, json_path: str | None, markdown_path: str | None) 
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and give its exit code; errors are printed as one line."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # other packages' warnings are for programmers
-            warnings.simplefilter("always", WctWarning)
-            warnings.showwarning = show_warning
-            code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
-    except click.ClickException as error:
-        return fail(error.format_message())
-    except WctError as error:
-        return fail(str(error))
-    except BrokenPipeError:  # whoever read stdout has read enough, as head does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
-    except (KeyboardInterrupt, click.Abort):
-        return fail("interrupted; nothing was written")
-    except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
-        if os.environ.get("WCT_TRACEBACK"):
-            raise
-        return fail(f"{one_line(error)} (WCT_TRACEBACK=1 shows where)")
-    return code if isinstance(code, int) else GOAL_MET
+    """Run the command line and give its exit code; errors are printed as one line, with what was written before."""
+    with files.noting() as written:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # other packages' warnings are for programmers
+                warnings.simplefilter("always", WctWarning)
+                warnings.showwarning = show_warning
+                code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
+        except click.ClickException as error:
+            message = error.format_message()
+        except WctError as error:
+            message = str(error)
+        except BrokenPipeError:  # whoever read stdout has read enough, as head does
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return FAILED
+        except (KeyboardInterrupt, click.Abort):
+            message = "interrupted" if written.names() else "interrupted; nothing was written"
+        except Exception as error:  # a bug of ours: still one line, still exit code 2; the traceback on request
+            if os.environ.get("WCT_TRACEBACK"):
+                raise
+            message = f"{one_line(error)} (WCT_TRACEBACK=1 shows where)"
+        else:
+            return code if isinstance(code, int) else GOAL_MET
+        before = ", ".join(written.names())
+        return fail(f"{message}; written before: {before}" if before else message)
 
 
 def main() -> None:
     """Entry point of the ``wct`` script."""
+    raise_on_sigterm()
     sys.exit(run())

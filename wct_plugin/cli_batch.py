@@ -61,7 +61,8 @@ def batch(
     quoted pattern such as 'parts/**/*.stl'. A crash, hang or blow-up costs that file alone. DIR gets the outputs,
     manifest.jsonl (a line per finished file), summary.csv and summary.html.
 
-    Exit code 0: every file met its goal. 1: some missed it or failed. 2: nothing was started, or it was interrupted.
+    Exit code 0: every file met its goal. 1: some missed it or failed. 2: nothing was started, or it was interrupted or
+    could not go on; what is finished is kept.
     """
     pipeline = read_pipeline(chain, settings)
     try:

@@ -46,7 +46,8 @@ class _Creations(click.Group):
 
 def _command(name: str, stage: type[Filter[Options]]) -> click.Command:
     def run(target: str, **values: Any) -> int:
-        chain = Pipeline([Step(stage(**cli_options.given(values, stage.name))), Step(WriteMesh(filename=target))])
+        writer = WriteMesh(filename=target, **cli_options.given_msh(values))
+        chain = Pipeline([Step(stage(**cli_options.given(values, stage.name))), Step(writer)])
         try:
             with progress_bar() as progress:
                 result = chain.execute(progress)
@@ -56,7 +57,7 @@ def _command(name: str, stage: type[Filter[Options]]) -> click.Command:
         print_metrics(f"{stage.type()} -> {target}", result.stages[0].metrics)
         return GOAL_MET
 
-    with_options = cli_options.filter_options(stage.name)(run)
+    with_options = cli_options.filter_options(stage.name)(cli_options.msh_options(run))
     with_target = click.argument("target", metavar="OUT")(with_options)
     command = click.command(name, help=about(stage), short_help=stage.summary())(with_target)
     given = (part for option, value in stage.example.items() for part in (cli_options.flag(option), str(value)))

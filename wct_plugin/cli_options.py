@@ -6,8 +6,12 @@ from typing import Any, get_args
 import click
 from pydantic.fields import FieldInfo
 
+from wct_plugin.ends import FileOptions, MeshFileOptions
 from wct_plugin.stage import find_filter
 from wct_plugin.stage_page import choices, describe_default, describe_range
+
+#: What the flags for writing gmsh files begin with.
+MSH_PREFIX = "msh_"
 
 
 def _click_type(field: FieldInfo) -> Any:
@@ -33,10 +37,29 @@ def flag(option: str, prefix: str = "") -> str:
 def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
 
+    What is False unless asked for is asked for by the flag alone, without a value.
     Where two filters declare a field the help is the first one's; each checks the values it is given by itself.
     """
-    fields = _fields(*filters)
+    return _options(_fields(*filters), prefix)
 
+
+def msh_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate a command with an ``--msh-option`` for each option there is for writing gmsh files."""
+    return _options(_msh_fields(), MSH_PREFIX)(command)
+
+
+def given_msh(values: dict[str, Any]) -> dict[str, Any]:
+    """Take those of the command's ``values`` that are for writing gmsh files out, and give the ones that were set."""
+    found = {option: values.pop(_parameter(option, MSH_PREFIX)) for option in _msh_fields()}
+    return {option: value for option, value in found.items() if value is not None}
+
+
+def _msh_fields() -> dict[str, FieldInfo]:
+    fields = MeshFileOptions.model_fields
+    return {option: field for option, field in fields.items() if option not in FileOptions.model_fields}
+
+
+def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         for option, field in reversed(fields.items()):
             words = "|".join(choices(field))
@@ -44,7 +67,10 @@ def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., A
             shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
             metavar = f"[{words}]" if words else None
             names = (flag(option, prefix), _parameter(option, prefix))
-            command = click.option(*names, type=_click_type(field), metavar=metavar, help=shown)(command)
+            kind: dict[str, Any] = {"type": _click_type(field), "metavar": metavar}
+            if field.default is False:
+                kind, shown = {"is_flag": True, "default": None}, str(field.description)
+            command = click.option(*names, **kind, help=shown)(command)
         return command
 
     return decorate

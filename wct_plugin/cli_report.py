@@ -37,6 +37,8 @@ def _surface(source: str) -> SurfaceMesh:
 def _meets(report: Report, goal: str | None) -> bool:
     if report.certificate:
         return report.certificate.valid if goal is None else report.certificate.meets(goal)
+    if goal is not None and not report.tiers.valid:
+        return False
     if goal == "delaunay":
         return report.tiers.delaunay
     if goal == "one-sided":

@@ -62,7 +62,7 @@ def run_pipeline(
     in .html or .json. A pipeline with files of its own needs neither.
 
     Exit code 0: every tet meets the goal of the last filter that has one, or none has. 1: not every one, all is
-    written. 2: nothing is written.
+    written. 2: an error or an interrupt, which says what was written before it, if anything.
     """
     if print_schema:
         write_text("-", json.dumps(schema(), indent=2))

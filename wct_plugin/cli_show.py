@@ -1,13 +1,10 @@
 """What ``wct`` prints: results to stdout; progress, warnings and errors to stderr, errors as one line."""
 
 import os
-import signal
 import sys
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import click
@@ -19,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wct_plugin import certificate, files, stage_page
+from wct_plugin.cli_interrupt import FirstAsks
 from wct_plugin.errors import WctWarning
 from wct_plugin.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.report import Report, short_names
@@ -52,39 +50,30 @@ def be_quiet() -> Callable[[], None]:
     return talk
 
 
-# --- progress and Ctrl-C --------------------------------------------------------------------------------------------
+# --- progress -------------------------------------------------------------------------------------------------------
 
 
 @contextmanager
 def progress_bar() -> Iterator[ProgressCallback]:
-    """Show a bar on stderr; the first Ctrl-C asks the filter to stop and keep its best, the second one breaks."""
-    stop = threading.Event()
-
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        if stop.is_set():
-            raise KeyboardInterrupt
-        stop.set()  # and no more: the signal may have come in the middle of a print
-
+    """Show a bar on stderr; the first Ctrl-C or SIGTERM asks the filter to stop and keep its best, a second ends it."""
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
-    with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+    with (
+        ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar,
+        FirstAsks() as signals,
+    ):
         task = bar.add_task("", total=1.0, bad="")
-        before = signal.getsignal(signal.SIGINT)
 
         def show(state: Progress) -> bool:
-            if state.bad is not None:  # only a filter that has a best so far can be asked to keep it
-                signal.signal(signal.SIGINT, interrupt)
+            signals.turn(on=state.bad is not None)  # only a filter that has a best so far can be asked to keep it
             bad = "" if state.bad is None else f"{state.bad} bad"
             new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
             bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
-            if stop.is_set():
-                err.print("stopping; the best so far is kept (Ctrl-C again to give up)")
+            if signals.asked:
+                err.print("stopping; the best so far is kept (a second Ctrl-C or SIGTERM gives up)")
                 return False
             return True
 
-        try:
-            yield show
-        finally:
-            signal.signal(signal.SIGINT, before)
+        yield show
 
 
 # --- files ----------------------------------------------------------------------------------------------------------

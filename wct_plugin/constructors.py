@@ -53,13 +53,19 @@ class Readers(_Ends):
 
 
 class Writers(_Ends):
-    """``wct.Writer(file)`` writes the mesh, or its report if the name ends in .html or .json."""
+    """``wct.Writer(file)`` writes the mesh, or its report if the name ends in .html or .json.
+
+    Options of ``writers.mesh`` or ``writers.report`` may follow: ``wct.Writer("part.msh", binary=True)``.
+    """
 
     _family = "writers"
 
-    def __call__(self, target: str | Path, *, tag: str = "", inputs: str | Sequence[str] = ()) -> Pipeline:
+    def __call__(
+        self, target: str | Path, *, tag: str = "", inputs: str | Sequence[str] = (), **options: Any
+    ) -> Pipeline:
         """Give a pipeline that writes ``target`` and hands the mesh on."""
-        return Pipeline([Step(find_stage(writer_type(str(target)))(filename=target), tag, _tags(inputs))])
+        writer = find_stage(writer_type(str(target)))(filename=target, **options)
+        return Pipeline([Step(writer, tag, _tags(inputs))])
 
 
 def _tags(inputs: str | Iterable[str]) -> tuple[str, ...]:

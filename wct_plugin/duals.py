@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from wct_plugin import power, quality, scaling
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import TetMesh
+from wct_plugin.overlap import overlap
 from wct_plugin.quality import Quality
 from wct_plugin.topology import OPPOSITE_EDGES
 
@@ -29,6 +30,8 @@ Bools = NDArray[np.bool_]
 
 #: Names of the tiers, each implying those before it; :attr:`Tiers.reached` is an index into them.
 TIERS = ("valid", "Delaunay", "one-sided", "3WC", "CWC")
+#: What stands in place of a tier where tets overlap.
+NOT_VALID = "not valid"
 #: Circumcenters this much the wrong way round, as a fraction of their mean circumradius, still count as Delaunay.
 COSPHERICAL = 1e-9
 
@@ -53,8 +56,9 @@ class Duals:
 
 @dataclass(frozen=True)
 class Tiers:
-    """How far up the ladder a mesh is; every step implies those below it."""
+    """How far up the ladder a mesh is; every step implies those below it, in a valid mesh."""
 
+    valid: bool  #: no two tets overlap, see :mod:`wct_plugin.overlap`; all that is below says nothing where this fails
     delaunay: bool  #: no vertex inside the circumsphere of a facet's two tets; cospherical ties count as Delaunay
     one_sided: bool  #: every signed dual length strictly positive, also at the boundary; cospherical ties fail this
     well_centered_3: bool  #: every tet contains its circumcenter
@@ -62,13 +66,15 @@ class Tiers:
 
     @property
     def reached(self) -> int:
-        """Index of the highest tier into :data:`TIERS`; a :class:`TetMesh` is always valid."""
+        """Index of the highest tier into :data:`TIERS`; -1 for a mesh that is not valid."""
+        if not self.valid:
+            return -1
         return sum((self.delaunay, self.one_sided, self.well_centered_3, self.completely_well_centered))
 
     @property
     def name(self) -> str:
-        """Name of the highest tier."""
-        return TIERS[self.reached]
+        """Name of the highest tier, or :data:`NOT_VALID`."""
+        return TIERS[self.reached] if self.valid else NOT_VALID
 
 
 def dual_lengths(mesh: TetMesh) -> tuple[Floats, Floats]:
@@ -161,6 +167,8 @@ def shortest_lengths(mesh: TetMesh, lengths: Floats) -> Floats:
 def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     """The tier of a mesh; pass ``of`` where :func:`wct_plugin.quality.measure` has been called already.
 
+    Valid: all volumes are positive, as :class:`TetMesh` makes sure, and no two tets overlap, both decided exactly.
+
     Delaunay: across every interior facet, whatever the regions, the two heights of the circumcenters add up to
     h+ + h- >= -t. The tolerance t is 1e-9 of the two circumradii's mean plus the sum's own rounding error, so that
     cospherical points, for which the sum is exactly zero (a Cartesian grid, also one that was rotated and rounded),
@@ -169,16 +177,19 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     One-sided: every dual length, the boundary's included, exceeds its rounding error; all duals inside are positive
     then, see the top of this module. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the
     mesh one-sided, CWC all duals of it positive. :mod:`wct_plugin.negative_duals` counts those that are not.
+
+    Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
     """
     of = quality.measure(mesh) if of is None else of
     well_centered_3 = bool(of.well_centered_3.all())
     completely = bool(of.completely_well_centered.all())
+    valid = overlap(mesh) is None
     if well_centered_3:
-        return Tiers(True, True, True, completely)
+        return Tiers(valid, True, True, True, completely)
     lengths, errors = dual_lengths(mesh)
     if (lengths > errors).all():
-        return Tiers(True, True, False, False)
-    return Tiers(not _encroached(mesh, lengths, errors).any(), False, False, False)
+        return Tiers(valid, True, True, False, False)
+    return Tiers(valid, not _encroached(mesh, lengths, errors).any(), False, False, False)
 
 
 def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
@@ -190,7 +201,7 @@ def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
     pairs, topology = mesh.topology.interior_pairs, mesh.topology
     missing = np.zeros(len(mesh.tets), dtype=bool)
     if not one_sided:
-        if not tiers(mesh, of).delaunay:
+        if not of.well_centered_3.all():
             missing[pairs[_encroached(mesh, *dual_lengths(mesh))][:, ::2]] = True
         return missing
     if of.completely_well_centered.all():

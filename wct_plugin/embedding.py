@@ -112,7 +112,8 @@ def _crossing(mesh: TetMesh, judge: _Judge) -> Ints:
         rows = np.flatnonzero(common == shared)
         for first, second in ((one, other), (other, one)):
             rows = rows[~_separated(first[rows], second[rows], shared, judge)]
-        bad[rows] = _touching(one[rows], other[rows], shared, judge)
+        if len(rows):
+            bad[rows] = _touching(one[rows], other[rows], shared, judge)
     return near[bad]
 
 
@@ -143,6 +144,8 @@ def _separated(one: Ints, other: Ints, shared: int, judge: _Judge) -> Bools:
 
     def search(polynomial: Polynomial, order: tuple[int, int, int], sides: tuple[int, ...]) -> None:
         rows = np.flatnonzero(~apart)
+        if not len(rows):
+            return
         found = [judge(polynomial, one[rows][:, order], other[rows, k])[:, 0] for k in others]
         for side in sides:
             apart[rows] |= np.all([sign == side for sign in found], axis=0)
@@ -174,7 +177,8 @@ def _pierced(triangle: Ints, p: Ints, q: Ints, judge: _Judge) -> Bools:
     around = np.stack([judge(predicates.volume, p, q, triangle[:, side])[:, 0] for side in sides])
     bad: Bools = (above[0] * above[1] <= 0) & ((around >= 0).all(axis=0) | (around <= 0).all(axis=0))
     flat = np.flatnonzero((above[0] == 0) & (above[1] == 0))
-    bad[flat] = _pierced_in_plane(triangle[flat], p[flat], q[flat], judge)
+    if len(flat):
+        bad[flat] = _pierced_in_plane(triangle[flat], p[flat], q[flat], judge)
     return bad
 
 

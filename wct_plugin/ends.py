@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, field_validator
 
 from wct_plugin import files, report_page
 from wct_plugin.adapters import formats, meshio
+from wct_plugin.adapters.msh_options import MshOptions, number_as_text
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.flow import Flow, side_by_side
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -53,6 +54,12 @@ class Writer(Stage[O_co]):
     @abstractmethod
     def check_takes(self, kind: Kind) -> None:
         """Raise a :class:`~wct_plugin.errors.WctError` unless it can write meshes of ``kind``."""
+
+    def check_read(self, mesh: Mesh) -> None:
+        """Raise a :class:`~wct_plugin.errors.WctError` if a mesh with the groups of ``mesh`` cannot be written.
+
+        Called with what a reader gave, before filters that keep the groups run.
+        """
 
     @abstractmethod
     def pass_on(self, flow: Flow) -> Flow:
@@ -119,11 +126,30 @@ class ReadMesh(Reader[SourceOptions]):
         return meshio.read(given) if isinstance(given, str) else given
 
 
-class WriteMesh(Writer[FileOptions]):
+class MeshFileOptions(FileOptions):
+    """A file by name, and how it is written if it is gmsh's."""
+
+    version: Literal["2.2", "4.1"] | None = Field(
+        None, description="Version of a .msh file (none: 2.2, or 4.1 where cells are in several groups)"
+    )
+    binary: bool | None = Field(None, description="Whether a .msh file is binary (none: it is text)")
+    groups: Literal["all", "first"] | None = Field(
+        None, description="Groups that a cell in several keeps in a .msh file (none: all)"
+    )
+
+    _version = field_validator("version", mode="before")(number_as_text)
+
+    @property
+    def msh(self) -> MshOptions:
+        """The options of gmsh files alone."""
+        return MshOptions(self.version, self.binary, self.groups)
+
+
+class WriteMesh(Writer[MeshFileOptions]):
     """Write the mesh in any format of :func:`wct_plugin.write` and hand it on."""
 
     name = "mesh"
-    declaration = FileOptions
+    declaration = MeshFileOptions
 
     @property
     def filename(self) -> str:  # noqa: D102
@@ -133,14 +159,19 @@ class WriteMesh(Writer[FileOptions]):
         files.check_writable(self.filename)
 
     def check_takes(self, kind: Kind) -> None:  # noqa: D102
-        formats.to_write(Path(self.filename), volume=kind is TetMesh)
+        self.options.msh.check(self.filename, formats.to_write(Path(self.filename), volume=kind is TetMesh))
+
+    def check_read(self, mesh: Mesh) -> None:  # noqa: D102
+        if isinstance(mesh, TetMesh):
+            meshio.check_groups(self.filename, mesh, self.options.msh)
 
     def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
         return flow.into(self.filename)
 
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
         (flow,) = flows.values()
-        meshio.write(self.filename, flow.mesh)
+        msh = self.options.msh
+        meshio.write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups)
 
 
 class ReportOptions(FileOptions):

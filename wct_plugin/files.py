@@ -5,9 +5,39 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from wct_plugin.errors import OutputError
+
+
+class Written:
+    """The files that got their names within :func:`noting`."""
+
+    def __init__(self) -> None:
+        self._noted: dict[Path, int] = {}
+
+    def note(self, name: Path, file: Path) -> None:
+        """Note that ``file`` is about to be renamed to ``name``; after the renaming an interrupt might come first."""
+        self._noted[name] = file.stat().st_ino
+
+    def names(self) -> list[str]:
+        """The names, in the order of writing, of those that were renamed indeed: they are still the same files."""
+        return [str(name) for name, inode in self._noted.items() if name.exists() and name.stat().st_ino == inode]
+
+
+_NOTES: ContextVar[Written | None] = ContextVar("written files", default=None)
+
+
+@contextmanager
+def noting() -> Iterator[Written]:
+    """Note every file that the body writes by :func:`replacing`, for who must say what there is after an error."""
+    written = Written()
+    token = _NOTES.set(written)
+    try:
+        yield written
+    finally:
+        _NOTES.reset(token)
 
 
 def check_writable(path: str | Path) -> None:
@@ -69,7 +99,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         work = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
         try:
             yield work / target.name
-            _move(work, target)
+            _move(work, target, Path(path))
         finally:
             # What is raised here is the body's own exception, which matters more than a rest that cannot be removed.
             shutil.rmtree(work, ignore_errors=True)
@@ -77,7 +107,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise _unwritable(path, error) from error
 
 
-def _move(work: Path, target: Path) -> None:
+def _move(work: Path, target: Path, path: Path) -> None:
+    """Give the files in ``work`` their names beside ``target``, which the caller knows as ``path``."""
     made = sorted(work.iterdir(), key=lambda file: file.name == target.name)
     if not made or made[-1].name != target.name:
         raise FileNotFoundError(0, "nothing was written")
@@ -86,8 +117,12 @@ def _move(work: Path, target: Path) -> None:
             raise IsADirectoryError(0, f"there is a directory named {file.name}")
         with file.open("rb") as handle:
             os.fsync(handle.fileno())  # some file systems report a full disk only now
+    notes = _NOTES.get()
     for file in made:
-        file.replace(target.parent / file.name)
+        final = target.parent / file.name
+        if notes is not None:
+            notes.note(path if final == target else final, file)
+        file.replace(final)
 
 
 def _unwritable(path: str | Path, error: OSError) -> OutputError:

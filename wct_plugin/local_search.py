@@ -87,7 +87,12 @@ class LocalSearch:
         renewal: Renewal | None = None,
         attempt: int = 0,
     ) -> Start | None:
-        """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain."""
+        """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain.
+
+        None too where it is stopped: what is made until then is no start.
+        """
+        if self.listen.stopped:
+            return None
         found = _core.resample(
             on.points,
             on.strata.triangles,
@@ -113,6 +118,8 @@ class LocalSearch:
             seed=self.seed + 1 + attempt,
             progress=self.listen.resample,
         )
+        if self.listen.stopped:
+            return None
         stratum = found["stratum"]
         pinned = (stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)
         start: Start = {

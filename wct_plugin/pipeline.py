@@ -7,7 +7,7 @@
 """
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -136,7 +136,21 @@ def _read(steps: Sequence[Step], wires: Sequence[Sequence[int]], seconds: list[f
                 mesh = step.stage.read()
             flows[index] = Flow.of(step.stage, mesh, seconds[index])
     _follow(steps, wires, {index: frozenset({type(flow.mesh)}) for index, flow in flows.items()})
+    for index, step in enumerate(steps):
+        if isinstance(step.stage, Writer):
+            with _named(steps, index):
+                for flow in _arriving(steps, wires, flows, index):
+                    step.stage.check_read(flow.mesh)
     return flows
+
+
+def _arriving(
+    steps: Sequence[Step], wires: Sequence[Sequence[int]], flows: Mapping[int, Flow], index: int
+) -> list[Flow]:
+    """What the readers gave that comes to a writer as a tet mesh all the way, with its groups."""
+    behind = upstream(wires, index)
+    filters = [step.stage for step in (steps[k] for k in behind) if isinstance(step.stage, Filter)]
+    return [flows[k] for k in behind & flows.keys()] if all(one.takes is one.gives for one in filters) else []
 
 
 @contextmanager

@@ -88,6 +88,11 @@ def beyond_edge(u: Vector, v: Vector, t: Vector) -> tuple[Any]:
     return (_dot(_cross(u, _cross(u, v)), t),)
 
 
+def along_edges(u: Vector, v: Vector, w: Vector, t: Vector) -> tuple[Any]:
+    """On which side of the plane through edge (0, 1) that is parallel to edge (2, 3) point 4 lies."""
+    return (_dot(_cross(u, tuple(b - a for a, b in zip(v, w, strict=True))), t),)
+
+
 def middle_above(v: Vector, w: Vector, a: Vector, b: Vector, c: Vector) -> tuple[Any]:
     """Volume of the tet with base (0, 1, 2) and the point (2 a + b + c) / 4 inside triangle (3, 4, 5), times 24."""
     return (_dot(_add(_add(a, a), _add(b, c)), _cross(v, w)),)

@@ -36,7 +36,7 @@ TITLES = {
 _MEASURES = {"h/R": "h/R", "face_angle": "Face angle", "dihedral_angle": "Dihedral angle", "R/l": "R/ℓ"}
 _FLAGS = {"3wc": "3WC", "2wc": "2WC", "cwc": "CWC", "acute": "Acute"}
 _TIER_NOTES = (
-    "every volume positive",
+    "every volume positive, no two tets overlap",
     "no vertex inside a neighbour's circumsphere",
     "every dual edge positive, hence all duals inside",
     "every tet contains its circumcenter",
@@ -260,6 +260,7 @@ def make_report(
 
 def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
     lines = (
+        "the mesh meets the goal already; it stays as it is (--force makes it anew)" if found.get("kept") else "",
         shape_floor.describe(found["shape"]) if "shape" in found else "",
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
         released.describe(found["released"]) if "released" in found else "",

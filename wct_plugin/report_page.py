@@ -82,13 +82,13 @@ def _verdict(report: Report, before: Report | None) -> Html:
         line = f"All {tets} tets contain their circumcenter"
         line += f"; {bad} have a triangle that is not acute." if bad else ", and all their triangles are acute."
     shape = {name: (low, high) for name, low, high in report.rows_ranges()}
-    tier = report.rows_tiers()[report.tiers.reached][2]
+    tier = report.rows_tiers()[report.tiers.reached][2] if report.tiers.valid else "tets overlap"
     found = [
         _share("Contain their circumcenter (3WC)", "3WC", report, before),
         _share("All triangles acute too (CWC)", "CWC", report, before),
         _boundary(report),
         _remaining(report, bad),
-        Card("Tier", report.tiers.name, tier.removeprefix("and ")),
+        Card("Tier", report.tiers.name, tier.removeprefix("and "), "" if report.tiers.valid else "bad"),
         Card("Worst of all tets", f"h/R {shape['h/R'][0]}", f"largest face angle {shape['Face angle'][1]}"),
     ]
     return join([paragraph(line, "bad" if outside else "good"), cards(found)])

@@ -15,6 +15,7 @@ from wct_plugin.errors import OptionError
 from wct_plugin.flow import Flow, size
 from wct_plugin.goals import DUAL, FLAGS, misses
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.overlap import overlap
 from wct_plugin.stage import Mesh, Metrics, Options, Stage, did_you_mean
 
 #: Whose versions change a result.
@@ -35,8 +36,16 @@ class Goal:
     goal: str
     tets: int
     missed: int
+    valid: bool  #: no two tets overlap
+
+    @property
+    def met(self) -> bool:
+        """Whether every tet meets the goal, in a valid mesh."""
+        return self.valid and not self.missed
 
     def __str__(self) -> str:
+        if not self.valid:
+            return f"{self.stage}: tets overlap; {self.missed} of {self.tets} miss the goal {self.goal}"
         if not self.missed:
             return f"{self.stage}: all {self.tets} tets meet the goal {self.goal}"
         return f"{self.stage}: {self.missed} of {self.tets} tets miss the goal {self.goal}"
@@ -66,7 +75,7 @@ class StageResult:
         if goal is None or not isinstance(mesh, TetMesh):
             return None
         missing = misses(mesh, quality.measure(mesh), goal)
-        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()))
+        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), overlap(mesh) is None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +105,7 @@ class Result:
     @property
     def goal_met(self) -> bool:
         """Whether every goal is met; also if there is none."""
-        return not any(goal.missed for goal in self.goals)
+        return all(goal.met for goal in self.goals)
 
     def metadata(self) -> dict[str, Any]:
         """Everything but the meshes, ready for JSON: per stage options, metrics and seconds; goals; versions."""

@@ -141,7 +141,7 @@ def test_groups_that_share_cells_are_groups_again(version: float, tmp_path: Path
     wanted = measures_of_groups()
     assert wanted["all", 3, 99] == pytest.approx(2)
     mesh = replace(mesh, cell_data={"x": mesh.points[mesh.tets].mean(axis=1)[:, 0]})
-    write(tmp_path / "b.msh", mesh)
+    write(tmp_path / "b.msh", mesh, version="4.1")
     gmsh.open(str(tmp_path / "b.msh"))
     assert measures_of_groups() == pytest.approx(wanted)
     assert sum(map(len, gmsh.model.mesh.getElements(3)[1])) == len(mesh.tets)
@@ -212,7 +212,7 @@ def test_groups_go_through_the_optimizer(version: float, tmp_path: Path) -> None
     mesh = read(tmp_path / "a.msh")
     better, metrics = apply_filter("meshing_well_centered", mesh, goal="3wc")
     assert metrics["bad"] == 0
-    write(tmp_path / "b.msh", better)
+    write(tmp_path / "b.msh", better, version="4.1")
     gmsh.open(str(tmp_path / "b.msh"))
     assert len(gmsh.model.mesh.getElements(3)[1][0]) == len(better.tets) != len(mesh.tets)
     assert measures_of_groups() == pytest.approx(before)

@@ -10,10 +10,11 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.adapters import gmsh41, obj, off, ply, tetgen_faces
+from wct_plugin.adapters import gmsh22, gmsh41, obj, off, ply, tetgen_faces
 from wct_plugin.adapters.formats import Format
 from wct_plugin.adapters.meshio_load import overheard
 from wct_plugin.adapters.meshio_read import NAME
+from wct_plugin.adapters.msh_options import MshOptions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 Arrays = dict[str, NDArray[Any]]
@@ -47,7 +48,7 @@ class Content:
         )
 
 
-def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content) -> list[str]:
+def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content, msh: MshOptions) -> list[str]:
     """Write the file; returns what meshio complains of on the way."""
     if isinstance(mesh, SurfaceMesh) and form.name in ("PLY", "OBJ", "OFF"):
         match form.name:
@@ -62,22 +63,11 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
     if form.name == "SU2":
         _write_su2(path, content)
         return []
+    if form.name == "gmsh":
+        _write_gmsh(path, content, msh)
+        return []
     with overheard() as said, np.errstate(invalid="ignore", divide="ignore"):  # STL normals of slivers
         match form.name:
-            case "gmsh" if any(content.groups.values()):
-                gmsh41.write(
-                    path,
-                    content.points,
-                    content.cells,
-                    content.groups,
-                    content.names,
-                    content.point_data,
-                    content.cell_data,
-                )
-            case "gmsh":
-                from meshio import gmsh
-
-                gmsh.write(str(path), content.mesh(field_data=content.names), "2.2", binary=True)
             case "XDMF":
                 _write_xdmf(path, content)
             case "MED":
@@ -89,6 +79,16 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
                 if form.name == "VTU" and content.names:
                     _add_names(path, content.names)
     return said
+
+
+def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:
+    """Meshio's text has arrays that nothing reads, and its version 4.1 groups that neither gmsh nor meshio reads."""
+    points, cells, names = content.points, content.cells, content.names
+    point_data, cell_data, binary = content.point_data, content.cell_data, bool(msh.binary)
+    if msh.version == "4.1":
+        gmsh41.write(path, points, cells, content.groups, names, point_data, cell_data, binary=binary)
+    else:
+        gmsh22.write(path, points, cells, names, point_data, cell_data, binary=binary)
 
 
 def _write_xdmf(path: Path, content: Content) -> None:

@@ -10,10 +10,11 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.adapters import formats
+from wct_plugin.adapters import formats, msh_version
 from wct_plugin.adapters.formats import PYVISTA, Format
 from wct_plugin.adapters.meshio_read import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.adapters.meshio_save import Arrays, Content, attribute, save
+from wct_plugin.adapters.msh_options import MshOptions
 from wct_plugin.errors import OutputError, WctWarning
 from wct_plugin.files import replacing
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -26,12 +27,18 @@ _TAG = {
 _CALLED = {"tetra": "tets", "triangle": "tagged facets", "line": "tagged edges", "vertex": "tagged vertices"}
 
 
-def write(path: str | Path, mesh: TetMesh | SurfaceMesh) -> None:
+def write(
+    path: str | Path,
+    mesh: TetMesh | SurfaceMesh,
+    *,
+    version: str | None = None,
+    binary: bool | None = None,
+    groups: str | None = None,
+) -> None:
     """Write a mesh in the format of the path's suffix, whole or not at all; the mesh is left as it is.
 
-    gmsh files are binary, of version 2.2, or 4.1 where cells are in several physical groups. Formats with one array for
-    all cells get zeros (integers) or NaN where a kind of cell lacks an array. Named sets become arrays ``set:NAME``
-    where a format has arrays but no sets.
+    Formats with one array for all cells get zeros (integers) or NaN where a kind of cell lacks an array. Named sets
+    become arrays ``set:NAME`` where a format has arrays but no sets.
 
     Parameters
     ----------
@@ -39,23 +46,40 @@ def write(path: str | Path, mesh: TetMesh | SurfaceMesh) -> None:
         The file to write.
     mesh : TetMesh or SurfaceMesh
         What to write.
+    version : {"2.2", "4.1"}, optional
+        Of a gmsh file. Without it 2.2, which most programs read, or 4.1 where cells are in several physical groups,
+        which 2.2 does not have.
+    binary : bool, optional
+        Whether a gmsh file is binary. Without it it is text, which most programs read.
+    groups : {"all", "first"}, optional
+        What becomes of cells in several physical groups in a gmsh file: "all" keeps them there, "first" keeps the first
+        group of each. Without it all.
 
     Warns
     -----
     WctWarning
-        Once, naming everything the format cannot carry.
+        Once, naming everything the format cannot carry; once if cells in several groups make a gmsh file one of
+        version 4.1, or lose groups.
 
     Raises
     ------
+    OptionError
+        If an option has a value that is not allowed, or is given for another format than gmsh's.
     OutputError
-        If the suffix is unknown, the format cannot carry such a mesh, or the file cannot be written.
+        If the suffix is unknown, the format cannot carry such a mesh, or the file cannot be written; and if ``version``
+        is "2.2" and cells are in several groups, unless ``groups`` is "first".
     """
     file = Path(path)
     form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
+    msh = MshOptions(version, binary, groups)
+    msh.check(path, form)
     content, lost = contents(mesh, form)
+    told: list[str] = []
+    if form.name == "gmsh":
+        msh, told = _settled(path, content, msh)
     with replacing(file) as temporary:
         try:
-            lost += save(temporary, form, mesh, content)
+            lost += save(temporary, form, mesh, content, msh)
         except (OSError, MemoryError, OutputError):
             raise
         except Exception as error:  # any at all: meshio's writers convert without looking
@@ -63,6 +87,22 @@ def write(path: str | Path, mesh: TetMesh | SurfaceMesh) -> None:
             raise OutputError(f"{path}: cannot be written as {form.name}: {type(error).__name__}: {reason}") from error
     if lost:
         warnings.warn(f"{path}: {form.name} cannot carry, so dropped: {', '.join(lost)}", WctWarning, stacklevel=2)
+    for line in told:
+        warnings.warn(f"{path}: {line}", WctWarning, stacklevel=2)
+
+
+def check_groups(path: str | Path, mesh: TetMesh, msh: MshOptions) -> None:
+    """Raise the error that :func:`write` would raise for the groups of the mesh; for use before long work."""
+    form = formats.to_write(Path(path), volume=True)
+    if form.name == "gmsh" and msh.version == "2.2":
+        _settled(path, contents(mesh, form)[0], msh)
+
+
+def _settled(path: str | Path, content: Content, msh: MshOptions) -> tuple[MshOptions, list[str]]:
+    try:
+        return msh_version.settle(content, msh)
+    except OutputError as error:
+        raise OutputError(f"{path}: {error}") from None
 
 
 @dataclass

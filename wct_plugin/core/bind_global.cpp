@@ -269,8 +269,10 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         Monitor monitor(listener);
         Reference reference(std::move(surface));
         result = resample(reference, mesh, wanted, form, renewal, monitor, workers_of(threads));
-        free_buried(result.cloud, result.complex, reference);
-        labels = label_surface(result.cloud, result.complex, reference);
+        if (!result.complex.all.tets.empty()) {
+            free_buried(result.cloud, result.complex, reference);
+            labels = label_surface(result.cloud, result.complex, reference);
+        }
     }
     trim();
     return to_python(result, labels);
@@ -307,7 +309,7 @@ void bind_global(nb::module_ &m) {
         "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
         "across from one planar patch to another, the creases of those have no gaps, and the Euler characteristic of\n"
         "every region is as in the mesh; lost: points where the domain is not represented, but for corners;\n"
-        "stats. The same input and seed give the same bits.");
+        "stats. No tets where it was stopped before there were any. The same input and seed give the same bits.");
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
           nb::arg("threads") = 0,
           "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");

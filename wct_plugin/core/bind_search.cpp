@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -72,6 +73,23 @@ void expect_conforming(const std::vector<Vec3> &points, const std::vector<Tet> &
     for (const Edge &crease : creases)
         if (!edges.contains(sorted(crease[0], crease[1])))
             refuse("creases: " + text(crease) + " is no edge of a tet");
+}
+
+/// Every surface facet is a facet of a tet and every crease an edge of one. The operators keep it so: if not, the fault
+/// is theirs, and what is lost is not to be lost silently.
+void expect_kept(const TetComplex &complex) {
+    const auto of_a_tet = [&](const auto &cell) {
+        const auto &star = complex.star(cell[0]);
+        return std::any_of(star.begin(), star.end(), [&](int t) {
+            return std::all_of(cell.begin(), cell.end(), [&](int v) { return complex.has(t, v); });
+        });
+    };
+    for (const auto &[facet, patch] : complex.sorted_surface())
+        if (!of_a_tet(facet))
+            throw std::logic_error("the search lost facet " + text(facet) + " of patch " + std::to_string(patch));
+    for (const auto &[edge, curve] : complex.creases())
+        if (!of_a_tet(edge))
+            throw std::logic_error("the search lost edge " + text(edge) + " of curve " + std::to_string(curve));
 }
 
 /// Of the surface's points: how far apart its vertices will be.
@@ -246,6 +264,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
         outcome = search.run(
             options, [&](const char *phase, double done, int bad) { return goes_on(progress, phase, done, bad); });
     }
+    expect_kept(complex);
     return to_python(complex, outcome, search.released());
 }
 

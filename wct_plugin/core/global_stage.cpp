@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
+#include <utility>
 
 namespace wct {
 
@@ -358,8 +360,8 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     std::vector<Vec3> direction;
     const double shell = form.shell * tolerance;
     const FitForm fit{form.fit_target * tolerance, form.fit_weight, form.fit_pull, shell};
-    const auto run = [&] {
-        Start best;
+    const auto run = [&]() -> std::optional<Start> { // nothing where it is stopped before the first round
+        std::optional<Start> best;
         Cloud cloud = seeds();
         Cloud far; // from all that moves
         if (renewal) {
@@ -382,17 +384,17 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
             const Tally tally = count_bad(cloud, complex, form.cosines);
             const bool sound = represents(cloud, complex, flaws);
             const std::size_t off = count_off(cloud, ties, form.held * tolerance);
-            if (round == 0 || std::pair(!sound, tally.bad + off) < std::pair(!best.intact, best.tally.bad + best.off)) {
-                if (!best.intact)
+            if (!best || std::pair(!sound, tally.bad + off) < std::pair(!best->intact, best->tally.bad + best->off)) {
+                if (best && !best->intact)
                     fewest.clear();
-                best = {cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
+                best = Start{cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
             }
-            fewest.push_back(static_cast<double>(best.tally.bad + best.off));
-            const std::size_t lately = best.intact ? form.lately : 2 * form.lately;
+            fewest.push_back(static_cast<double>(best->tally.bad + best->off));
+            const std::size_t lately = best->intact ? form.lately : 2 * form.lately;
             const bool settled = fewest.size() > lately && fewest.back() > form.worth * fewest.end()[-1 - lately];
             if (round == form.rounds || tally.bad == 0 || settled)
                 break;
-            monitor.set_bad(static_cast<std::int64_t>(best.tally.bad));
+            monitor.set_bad(static_cast<std::int64_t>(best->tally.bad));
             EnergyForm energy = form.energy;
             if (!form.cosines)
                 energy.weight2 = 0.0;
@@ -404,23 +406,29 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
         lap("descent");
         return best;
     };
-    Start best = run();
+    std::optional<Start> found = run();
     const int attempts = renewal ? 0 : form.attempts; // where it kept to the old mesh, that may be sound all the same
-    for (int attempt = 0; attempt < attempts && !best.intact && !monitor.stopped(); ++attempt) {
-        const std::vector<int> lost = lost_planes(best.cloud, best.complex, reference, tolerance);
-        best.touched.insert(best.touched.end(), lost.begin(), lost.end());
-        refine(best.cloud, best.touched, reference, sizing);
-        Start next = run();
-        if (next.intact || next.tally.bad + next.off < best.tally.bad + best.off)
-            best = std::move(next);
+    for (int attempt = 0; attempt < attempts && found && !found->intact && !monitor.stopped(); ++attempt) {
+        const std::vector<int> lost = lost_planes(found->cloud, found->complex, reference, tolerance);
+        found->touched.insert(found->touched.end(), lost.begin(), lost.end());
+        refine(found->cloud, found->touched, reference, sizing);
+        std::optional<Start> next = run();
+        if (next && (next->intact || next->tally.bad + next->off < found->tally.bad + found->off))
+            found = std::move(next);
     }
-    const double few = form.few_off * static_cast<double>(surface_facets(best.complex).size());
-    if (!renewal && best.intact && static_cast<double>(best.off) > few && !monitor.stopped()) {
-        shrink(measure_deviation(best.cloud, best.complex, reference, workers), sizing, form);
-        Start next = run();
-        if (next.intact && next.off < best.off)
-            best = std::move(next);
+    const auto too_many_off = [&](const Start &start) {
+        return static_cast<double>(start.off) > form.few_off * static_cast<double>(surface_facets(start.complex).size());
+    };
+    if (!renewal && found && found->intact && too_many_off(*found) && !monitor.stopped()) {
+        shrink(measure_deviation(found->cloud, found->complex, reference, workers), sizing, form);
+        std::optional<Start> next = run();
+        if (next && next->intact && next->off < found->off)
+            found = std::move(next);
     }
+    result.stopped = monitor.stopped();
+    if (!found)
+        return result;
+    Start &best = *found;
     result.stats.emplace_back("off", static_cast<double>(best.off));
     if (!best.intact) {
         result.lost = lost_points(best.cloud, best.flaws);
@@ -434,7 +442,6 @@ GlobalResult resample(Reference &reference, const InputMesh &mesh, std::span<con
     result.intact = best.intact;
     result.deviation = measure_deviation(result.cloud, result.complex, reference, workers);
     lap("deviation");
-    result.stopped = monitor.stopped();
     return result;
 }
 

@@ -69,7 +69,7 @@ struct GlobalResult {
     /// characteristics.
     bool intact = false;
     std::vector<int> lost; // points where it is not, but for corners
-    bool stopped = false;
+    bool stopped = false; // without a tet, where that was before there was any mesh
     std::vector<std::pair<std::string, double>> stats;
 };
 

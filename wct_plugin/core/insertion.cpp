@@ -89,11 +89,16 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
     regions_.clear();
     double before = 0.0;
     std::vector<int> inside;
-    std::vector<int> wall;
+    std::vector<Facet> wall;
+    std::vector<Edge> creases;
     for (int t : cavity_) {
         before += complex_.energy(t);
         const Tet tet = complex_.tet(t);
         inside.insert(inside.end(), tet.begin(), tet.end());
+        for (int i = 0; i < 4; ++i)
+            for (int k = 0; k < i; ++k)
+                if (complex_.curve_of(tet[i], tet[k]) >= 0)
+                    creases.push_back({tet[i], tet[k]});
         for (int i = 0; i < 4; ++i) {
             const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
             const Facet key = sorted(p, q, r);
@@ -107,16 +112,26 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
             coned[i] = v;
             candidates_.push_back(coned);
             regions_.push_back(complex_.region(t));
-            for (int w : key) {
-                wall.push_back(w);
+            wall.push_back(key);
+            for (int w : key)
                 if (norm(complex_.point(w) - x) < shortest * complex_.vertex(v).size)
                     return false;
-            }
         }
     }
-    for (int w : inside)
-        if (std::find(wall.begin(), wall.end(), w) == wall.end())
-            return false; // w would be left without a tet
+    const auto on_wall = [&](int w) {
+        return std::any_of(wall.begin(), wall.end(),
+                           [&](const Facet &f) { return std::find(f.begin(), f.end(), w) != f.end(); });
+    };
+    if (!std::all_of(inside.begin(), inside.end(), on_wall))
+        return false; // a vertex would be left without a tet
+    // Round the free border of a sheet, and round a wire, nothing of the surface stops a cavity: it may hold all tets at
+    // an edge of them, which would be no edge any more.
+    for (const Edge &edge : creases)
+        if (std::none_of(wall.begin(), wall.end(), [&](const Facet &f) {
+                return std::find(f.begin(), f.end(), edge[0]) != f.end() &&
+                       std::find(f.begin(), f.end(), edge[1]) != f.end();
+            }))
+            return false;
     return candidates_below(before + slack) && candidates_fit(cavity_);
 }
 
