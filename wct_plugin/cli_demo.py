@@ -66,7 +66,8 @@ def demo(context: click.Context, folder: str) -> int:
 
     A file that is there already is never written over: give an empty folder, or a new one.
 
-    Exit code 0: every tet of the bone meets the goal. 1: not every one, all is written. 2: no mesh is written.
+    Exit code 0: every tet of the bone meets the goal. 1: not every one, all is written. 2: an error or an interrupt,
+    which says what was written before it, if anything.
     """
     where = Path(folder)
     samples = {name: _sample(name) for name in SAMPLES}
