@@ -38,6 +38,7 @@ def modules() -> None:
 
 def command_line() -> None:
     """Make, measure, repair, fill, improve and run many; whether the goal is met (0) or missed (1) does not matter."""
+    assert "part.msh" in wct("demo", "samples", allowed=(0, 1))
     wct("create", "cube", "cube.vtu", "--variant", "84")
     assert json.loads(wct("report", "cube.vtu", "--json", "-"))["cwc"]["count"] == 84
     Path("surface.json").write_text(json.dumps([{"type": "filters.generate_boundary_surface"}]))

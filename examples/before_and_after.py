@@ -1,4 +1,4 @@
-"""What well-centering does for a solver with diagonal Hodge stars: one row of the README's table per domain.
+"""What well-centering does for a solver with diagonal Hodge stars: one row of docs/benchmarks.md per domain.
 
 Negative duals per vertex, edge and facet; the largest stable time step of the co-volume scheme for Maxwell's equations
 over the mean edge length, "none" where a star inside the walls has a negative entry; the relative error of a Poisson

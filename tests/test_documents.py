@@ -1,4 +1,4 @@
-"""The documents: every link and picture of theirs is there, and the README's index has them all."""
+"""The documents: every link and picture of theirs is there, and the index has them all."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
 def prose(page):
@@ -36,7 +36,12 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors(target), link
 
 
-def test_the_readme_leads_to_every_page_and_example():
-    found = {(ROOT / link).resolve() for link in links(ROOT / "README.md")}
+def leads_to(page):
+    return {(page.parent / link.partition("#")[0]).resolve() for link in links(page)}
+
+
+def test_the_index_leads_to_every_page_and_example_and_the_readme_to_the_index():
+    index = ROOT / "docs/index.md"
+    assert index in leads_to(ROOT / "README.md")
     examples = [*(ROOT / "examples").glob("*.py"), *(ROOT / "examples").glob("*.sh")]
-    assert {*(ROOT / "docs").glob("*.md"), *examples} <= found
+    assert {*(ROOT / "docs").glob("*.md"), *examples} - {index} <= leads_to(index)

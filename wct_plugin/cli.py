@@ -20,6 +20,7 @@ import wct_plugin as wct
 from wct_plugin import cli_options, files, pipeline_json, stage_page
 from wct_plugin.cli_batch import batch
 from wct_plugin.cli_create import create
+from wct_plugin.cli_demo import demo
 from wct_plugin.cli_group import Commands, completion
 from wct_plugin.cli_interrupt import raise_on_sigterm
 from wct_plugin.cli_report import report
@@ -69,6 +70,7 @@ cli.add_command(run_pipeline)
 cli.add_command(report)
 cli.add_command(create)
 cli.add_command(batch)
+cli.add_command(demo)
 cli.add_command(completion)
 
 

@@ -11,13 +11,14 @@ EXAMPLES = {
     "batch": "wct batch repair-ftetwild 'scans/*.ply' -o out --jobs 4 --timeout 600",
     "completion": "wct completion bash > ~/.local/share/bash-completion/completions/wct",
     "create": "wct create cube cube.vtu --variant 84",
+    "demo": "wct demo samples",
     "filters": "wct filters meshing_well_centered",
     "optimize": "wct optimize bone.ply bone.vtu --tolerance 1e-3 --html bone.html",
     "report": "wct report before.vtu after.vtu --html compared.html",
     "run": "wct run chain.json bone.ply bone.vtu --set filters.meshing_well_centered.goal=3wc",
 }
 #: What stands for a file in a command's usage.
-_FILES = ("FILE", "FILE...", "IN", "OUT", "INPUT...", "DIR", "[IN [OUT...]]")
+_FILES = ("FILE", "FILE...", "IN", "OUT", "INPUT...", "DIR", "[DIR]", "[IN [OUT...]]")
 
 
 def quiet_option() -> click.Option:
