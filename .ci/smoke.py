@@ -28,7 +28,7 @@ def wct(*arguments: str, allowed: tuple[int, ...] = (0,)) -> str:
 def modules() -> None:
     """Import everything there is, and with it the neighbours."""
     import wct_plugin
-    from wct_plugin.stage import filter_names, find_filter
+    from wct_plugin.pipeline.stage import filter_names, find_filter
 
     for one in pkgutil.walk_packages(wct_plugin.__path__, "wct_plugin."):
         importlib.import_module(one.name)

@@ -16,8 +16,8 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from PIL import Image
 
 import wct_plugin as wct
-from wct_plugin import quality
-from wct_plugin.topology import FACETS
+from wct_plugin.measure import quality
+from wct_plugin.mesh.topology import FACETS
 
 FOLDER = Path(__file__).with_name("paper")
 NORM = TwoSlopeNorm(0.0, -1 / 3, 1 / 3)

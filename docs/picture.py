@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import wct_plugin as wct
-from wct_plugin import quality
-from wct_plugin.topology import FACETS, Topology
+from wct_plugin.measure import quality
+from wct_plugin.mesh.topology import FACETS, Topology
 
 
 def draw(axes, mesh, title, cut, norm):

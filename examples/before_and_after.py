@@ -17,8 +17,8 @@ from maxwell_cavity import cavity, resonances
 from poisson_and_heat import cube, from_gmsh, poisson_error
 
 import wct_plugin as wct
-from wct_plugin.duals import duals
-from wct_plugin.negative_duals import negative_duals
+from wct_plugin.measure.duals import compute_duals
+from wct_plugin.measure.negative_duals import count_negative_duals
 
 
 def sphere() -> tuple[wct.TetMesh, wct.SurfaceMesh | None]:
@@ -41,8 +41,8 @@ DOMAINS = {"cube": lambda: (cube(0.1), None), "sphere": sphere, "bone": bone}
 
 def figures(mesh: wct.TetMesh) -> tuple[list[int], float | None, float]:
     """Negative duals by degree, time step over mean edge length or None, Poisson's error."""
-    dual = duals(mesh)
-    signs = negative_duals(mesh, dual)
+    dual = compute_duals(mesh)
+    signs = count_negative_duals(mesh, dual)
     negative = [
         inside.negative + border.negative for inside, border in zip(signs.interior, signs.boundary, strict=True)
     ]

@@ -28,7 +28,7 @@ from cubes.obstructions import obstructions
 from cubes.polish import polished
 from cubes.symmetry import Arrangement, Floats, Ints, subgroups
 
-from wct_plugin.certificate import certify
+from wct_plugin.certify.certificate import certify
 from wct_plugin.mesh import TetMesh
 
 PATIENCE = 60  # changes without gain before a chain ends

@@ -13,13 +13,13 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
 import wct_plugin as wct
-from wct_plugin.duals import duals, hodge_star
-from wct_plugin.exterior import exterior_derivative
+from wct_plugin.measure.duals import compute_duals, hodge_star
+from wct_plugin.measure.exterior import exterior_derivative
 
 
 def cavity(mesh: wct.TetMesh) -> tuple[csr_array, np.ndarray]:
     """Curl curl (i, i) and star (i,) on the edges inside; the field along the others is zero, the walls conduct."""
-    dual = duals(mesh)
+    dual = compute_duals(mesh)
     curl = exterior_derivative(mesh, 1)
     walls = mesh.topology.facet_edges[len(mesh.topology.interior_pairs) :]
     inside = np.setdiff1d(np.arange(len(mesh.topology.edges)), walls)

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 
 import wct_plugin as wct
-from wct_plugin import quality
-from wct_plugin.certificate import certify
+from wct_plugin.certify.certificate import certify
+from wct_plugin.measure import quality
 
 #: What the paper prints: minimum and maximum of h/R, face angle, dihedral angle and R/l.
 SINGLE = {

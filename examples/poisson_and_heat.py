@@ -14,9 +14,9 @@ from scipy.sparse import diags_array
 from scipy.sparse.linalg import spsolve
 
 import wct_plugin as wct
-from wct_plugin import quality
-from wct_plugin.duals import duals, hodge_star
-from wct_plugin.exterior import exterior_derivative
+from wct_plugin.measure import quality
+from wct_plugin.measure.duals import compute_duals, hodge_star
+from wct_plugin.measure.exterior import exterior_derivative
 
 SIZES = (0.2, 0.14, 0.1)
 
@@ -44,7 +44,7 @@ def from_gmsh(draw: Callable[[], object], size: float) -> wct.TetMesh:
 
 def operators(mesh: wct.TetMesh):
     """Stiffness (n, n) and lumped mass (n,) on the vertices."""
-    dual = duals(mesh)
+    dual = compute_duals(mesh)
     d0 = exterior_derivative(mesh, 0)
     return (d0.T @ diags_array(hodge_star(mesh, 1, dual)) @ d0).tocsr(), hodge_star(mesh, 0, dual)
 
@@ -78,7 +78,7 @@ def main() -> float:
     """Give the order of the error in the mesh size on the well-centered meshes."""
     meshes = [cube(size) for size in SIZES]
     better = [wct.apply_filter("meshing_well_centered", mesh, goal="3wc")[0] for mesh in meshes]
-    duals_of = [duals(mesh) for mesh in (meshes[-1], better[-1])]
+    duals_of = [compute_duals(mesh) for mesh in (meshes[-1], better[-1])]
     negative = [int((of.areas < -of.area_errors).sum()) for of in duals_of]
     lowest = [coldest(mesh) for mesh in (meshes[-1], better[-1])]
     sizes = [len(mesh.tets) ** (-1 / 3) for mesh in better]

@@ -15,9 +15,9 @@ from skfem import Basis, BilinearForm, ElementTetP1, LinearForm, MeshTet, conden
 from skfem.helpers import dot, grad
 
 import wct_plugin as wct
-from wct_plugin import quality
-from wct_plugin.duals import hodge_star
-from wct_plugin.exterior import exterior_derivative
+from wct_plugin.measure import quality
+from wct_plugin.measure.duals import hodge_star
+from wct_plugin.measure.exterior import exterior_derivative
 
 
 def exact(points: np.ndarray) -> np.ndarray:

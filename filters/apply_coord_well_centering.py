@@ -6,11 +6,14 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from wct_plugin import _core, quality, scaling
-from wct_plugin.mesh import TetMesh
-from wct_plugin.remaining import remaining
-from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
-from wct_plugin.surface import strata
+from wct_plugin.core import _core
+from wct_plugin.measure import quality
+from wct_plugin.mesh import TetMesh, unit_scaling
+from wct_plugin.mesh.strata import find_strata
+from wct_plugin.obstructions.remaining_tets import list_remaining
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.types import Metrics
 
 
 class CoordWellCenteringOptions(Options):
@@ -36,7 +39,7 @@ class CoordWellCenteringOptions(Options):
     effort: int = Field(1, ge=1, le=100, description="Multiplies the iterations; time grows with it")
 
 
-class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
+class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
     """Move vertices so that more tets are well-centered; connectivity, ids, tags and data stay.
 
     No tet is ever inverted and never fewer tets contain their circumcenter than before. Sliding vertices stay on the
@@ -54,10 +57,10 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         options = self.options
-        scaling.check(mesh)
-        unit = scaling.exponent(mesh.points)  # the core works in a unit in which nothing under- or overflows
-        normalized = scaling.scaled(mesh, -unit)
-        surface = strata(mesh, options.crease_angle)
+        unit_scaling.check(mesh)
+        unit = unit_scaling.exponent(mesh.points)  # the core works in a unit in which nothing under- or overflows
+        normalized = unit_scaling.scaled(mesh, -unit)
+        surface = find_strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
         stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
         tolerance = np.inf if options.tolerance is None else options.tolerance * normalized.diagonal
@@ -76,8 +79,8 @@ class ApplyCoordWellCentering(Filter[CoordWellCenteringOptions]):
             tolerance=tolerance,
             progress=lambda done, bad: progress(Progress("moving vertices", done, bad)) is not False,
         )
-        moved = replace(mesh, points=scaling.rescaled(points, unit))
-        left = remaining(
+        moved = replace(mesh, points=unit_scaling.rescaled(points, unit))
+        left = list_remaining(
             moved,
             surface,
             quality.measure(moved),

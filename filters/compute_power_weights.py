@@ -6,14 +6,16 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from wct_plugin import duals, quality, scaling
-from wct_plugin.contradictions import contradiction, separate
 from wct_plugin.errors import WctError
-from wct_plugin.manifold import check_manifold
-from wct_plugin.mesh import TetMesh
-from wct_plugin.negative_duals import negative_duals
-from wct_plugin.power_weights import power_weights
-from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.measure import duals, quality
+from wct_plugin.measure.negative_duals import count_negative_duals
+from wct_plugin.mesh import TetMesh, unit_scaling
+from wct_plugin.mesh.manifold import check_manifold
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.types import Metrics
+from wct_plugin.weights.infeasibility import contradiction, separate
+from wct_plugin.weights.linear_programs import power_weights
 
 #: How many of the tets without their orthocenter the metrics name.
 _NAMED = 100
@@ -35,7 +37,7 @@ class PowerWeightsOptions(Options):
     )
 
 
-class ComputePowerWeights(Filter[PowerWeightsOptions]):
+class ComputePowerWeights(FilterStage[PowerWeightsOptions]):
     """Give each vertex a weight so that every tet contains its orthocenter: weighted well-centered.
 
     The mesh stays as it is. With a power distance |x - x_i|^2 - w_i in the place of the distance, the dual is still
@@ -57,7 +59,7 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
     example: ClassVar[dict[str, Any]] = {"margin": 0.05}
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
-        scaling.check(mesh)
+        unit_scaling.check(mesh)
         check_manifold(mesh)
 
         stopped = False
@@ -80,7 +82,7 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
                 f"{mesh.source or 'the mesh'}: no weights were found that give tet {outside[0]}{more} its orthocenter"
                 f"{why}; with strict=false the others get theirs"
             )
-        plain, weighted = duals.duals(mesh), duals.duals(mesh, found.weights)
+        plain, weighted = duals.compute_duals(mesh), duals.compute_duals(mesh, found.weights)
         marked = replace(
             mesh,
             point_data={
@@ -110,7 +112,7 @@ class ComputePowerWeights(Filter[PowerWeightsOptions]):
                 "proven": [one.to_dict() for one in proven],
             },
             "negative_duals": {
-                "circumcentric": negative_duals(mesh, plain).to_dict(),
-                "weighted": negative_duals(mesh, weighted).to_dict(),
+                "circumcentric": count_negative_duals(mesh, plain).to_dict(),
+                "weighted": count_negative_duals(mesh, weighted).to_dict(),
             },
         }

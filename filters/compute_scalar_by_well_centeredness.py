@@ -6,16 +6,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import duals, quality, scaling
-from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+from wct_plugin.measure import duals, quality
+from wct_plugin.mesh import TetMesh, unit_scaling
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Metrics
 
 
 class WellCenterednessOptions(Options):
     """There is nothing to choose."""
 
 
-class ComputeScalarByWellCenteredness(Filter[WellCenterednessOptions]):
+class ComputeScalarByWellCenteredness(FilterStage[WellCenterednessOptions]):
     """Write per tet min_h_over_R, largest angles, flags and the shortest dual edge; per point the dual volume.
 
     Cell data: ``min_h_over_R`` (positive: 3WC), ``max_face_angle`` and ``max_dihedral_angle`` in degrees, ``is_3wc``,
@@ -29,9 +31,9 @@ class ComputeScalarByWellCenteredness(Filter[WellCenterednessOptions]):
     declaration = WellCenterednessOptions
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
-        scaling.check(mesh)
+        unit_scaling.check(mesh)
         measured = quality.measure(mesh)
-        dual = duals.duals(mesh)
+        dual = duals.compute_duals(mesh)
         flags = {
             "is_3wc": measured.well_centered_3,
             "is_2wc": measured.well_centered_2,

@@ -4,9 +4,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
-from wct_plugin import bundled, created
+from wct_plugin.creation import bundled_meshes, metrics
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Metrics
 
 _Variant = Literal["194", "194_paper", "194_best", "104", "87", "84", "33", "32", "30"]
 CubeVariant = Annotated[_Variant, BeforeValidator(str)]
@@ -23,7 +25,7 @@ class CubeOptions(Options):
     size: float = Field(1.0, gt=0, description="Edge length")
 
 
-class CreateCube(Filter[CubeOptions]):
+class CreateCube(FilterStage[CubeOptions]):
     """Make a cube of few tets that are all well-centered, completely so in all variants of 84 and more.
 
     ``194_best`` has better quality than the paper's best cube, of 224 tets; ``32`` than its 3-well-centered one of 146.
@@ -38,6 +40,6 @@ class CreateCube(Filter[CubeOptions]):
     example: ClassVar[dict[str, Any]] = {"variant": "84"}
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
-        points, tets = bundled.load(f"cube_{self.options.variant}")
+        points, tets = bundled_meshes.load(f"cube_{self.options.variant}")
         made = TetMesh(points * self.options.size, tets)
-        return made, created.metrics(made)
+        return made, metrics.metrics(made)

@@ -2,9 +2,11 @@
 
 from pydantic import Field
 
-from wct_plugin import bundled, created
+from wct_plugin.creation import bundled_meshes, metrics
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Metrics
 
 
 class CubeCornerOptions(Options):
@@ -13,7 +15,7 @@ class CubeCornerOptions(Options):
     size: float = Field(1.0, gt=0, description="Length of the three edges at the right-angled corner")
 
 
-class CreateCubeCorner(Filter[CubeCornerOptions]):
+class CreateCubeCorner(FilterStage[CubeCornerOptions]):
     """Make the corner of a cube, cut off by the plane through its neighbours, of 34 completely well-centered tets.
 
     No tet with three mutually orthogonal faces contains its circumcenter, so that the corner itself needs the most
@@ -26,6 +28,6 @@ class CreateCubeCorner(Filter[CubeCornerOptions]):
     declaration = CubeCornerOptions
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
-        points, tets = bundled.load("cube_corner")
+        points, tets = bundled_meshes.load("cube_corner")
         made = TetMesh(points * self.options.size, tets)
-        return made, created.metrics(made)
+        return made, metrics.metrics(made)

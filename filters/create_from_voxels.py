@@ -9,14 +9,14 @@ from pydantic import ConfigDict, Field, field_validator
 from pydantic.json_schema import SkipJsonSchema
 from wct_plugin.filters.create_cube import CubeVariant
 
-from wct_plugin import bundled, created, voxel_contacts, voxel_mesh
-from wct_plugin.adapters import voxel_image
+from wct_plugin.creation import bundled_meshes, voxel_contacts, voxel_mesh
+from wct_plugin.creation import metrics as creation_metrics
 from wct_plugin.errors import InputError, OptionError
+from wct_plugin.io import voxel_image
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.types import Floats, Ints, Metrics
 
 _LARGEST = 2**31 - 1  # that every format can carry as a tag
 _BISECTIONS = 20  # of the way from a cube to the stretch that is asked for
@@ -56,7 +56,7 @@ class VoxelOptions(Options):
         return lengths[0] if len(lengths) == 1 else tuple(lengths)
 
 
-class CreateFromVoxels(Filter[VoxelOptions]):
+class CreateFromVoxels(FilterStage[VoxelOptions]):
     """Fill every voxel with a well-centered mesh of the cube; neighbours match, so that the whole is well-centered too.
 
     Each voxel has the same mesh, reflected along the axes where its index is odd; neighbours are mirror images and
@@ -108,12 +108,16 @@ class CreateFromVoxels(Filter[VoxelOptions]):
     @cached_property
     def _cube(self) -> tuple[TetMesh, Metrics]:
         """What fills a voxel, and what is measured of it as it is stretched."""
-        points, tets = bundled.load(f"cube_{self.options.variant}")
+        points, tets = bundled_meshes.load(f"cube_{self.options.variant}")
         cube = TetMesh(voxel_mesh.snapped(points), tets)
-        tier = "completely_well_centered" if created.metrics(cube)["completely_well_centered"] else "well_centered_3"
+        tier = (
+            "completely_well_centered"
+            if creation_metrics.metrics(cube)["completely_well_centered"]
+            else "well_centered_3"
+        )
 
         def stretched(power: float) -> Metrics:
-            return created.metrics(TetMesh(cube.points * relative**power, tets))
+            return creation_metrics.metrics(TetMesh(cube.points * relative**power, tets))
 
         relative = self._spacing / self._spacing.min()
         measured = stretched(1.0)

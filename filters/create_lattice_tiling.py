@@ -5,9 +5,12 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from wct_plugin import created, lattice_tiling
+from wct_plugin.creation import lattice_tiling
+from wct_plugin.creation import metrics as creation_metrics
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Metrics
 
 #: In which directions each domain repeats.
 _REPEATS = {"cell": (True, True, True), "slab": (True, True, False), "prism": (True, False, False)}
@@ -38,7 +41,7 @@ class LatticeTilingOptions(Options):
         return self
 
 
-class CreateLatticeTiling(Filter[LatticeTilingOptions]):
+class CreateLatticeTiling(FilterStage[LatticeTilingOptions]):
     """Make one period of a tiling of space, of a slab or of a rectangular prism by two tetrahedra of equal volume.
 
     The vertices are the lattice of (1, 0, 0), (1/2, a, 0) and (1/2, 0, b). All tets are completely well-centered if and
@@ -71,7 +74,7 @@ class CreateLatticeTiling(Filter[LatticeTilingOptions]):
             "condition_met": given.a > 0.5 and given.b > 0.5,
             "periods": (np.array(periods) * unit).tolist(),
         }
-        return made, created.metrics(made) | metrics
+        return made, creation_metrics.metrics(made) | metrics
 
     def _edge_length(self) -> float:
         """Length of the edges along x."""

@@ -5,10 +5,12 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from wct_plugin import created
+from wct_plugin.creation import metrics
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
-from wct_plugin.topology import EDGES
+from wct_plugin.mesh.topology import EDGES
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Metrics
 
 #: The paper's six figures on the unit sphere, by whether they are dihedral acute, 2- and 3-well-centered (y) or not
 #: (n); the second of Sommerville's, which tiles space; and the regular one.
@@ -36,7 +38,7 @@ class TetrahedronOptions(Options):
     )
 
 
-class CreateTetrahedron(Filter[TetrahedronOptions]):
+class CreateTetrahedron(FilterStage[TetrahedronOptions]):
     """Make one tetrahedron: the regular one, Sommerville's, or one of the six figures of the paper.
 
     The figures are named by what they show: dihedral acute, 2-well-centered (``2``), 3-well-centered (``3``), each
@@ -55,4 +57,4 @@ class CreateTetrahedron(Filter[TetrahedronOptions]):
             edges = points[EDGES[:, 1]] - points[EDGES[:, 0]]
             points *= self.options.size / np.linalg.norm(edges, axis=1).max()
         made = TetMesh(points, np.array([[0, 1, 2, 3]]))
-        return made, created.metrics(made)
+        return made, metrics.metrics(made)

@@ -3,15 +3,14 @@
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
-from wct_plugin import bundled, created
+from wct_plugin.creation import bundled_meshes, metrics
 from wct_plugin.mesh import TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
-from wct_plugin.topology import EDGES
-
-Floats = NDArray[np.float64]
+from wct_plugin.mesh.topology import EDGES
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Floats, Metrics
 
 _CORNERS = np.array([[3.0, 3.0, 3.0], [3.0, -3.0, -3.0], [-3.0, 3.0, -3.0], [-3.0, -3.0, 3.0]])
 
@@ -38,7 +37,7 @@ class SubdivisionOptions(Options):
     )
 
 
-class CreateTetrahedronSubdivision(Filter[SubdivisionOptions]):
+class CreateTetrahedronSubdivision(FilterStage[SubdivisionOptions]):
     """Make a regular tetrahedron of 8 or 49 completely well-centered ones.
 
     8: the midpoints of four edges slide off so that the octahedron between the cut corners becomes well-centered.
@@ -53,11 +52,11 @@ class CreateTetrahedronSubdivision(Filter[SubdivisionOptions]):
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         variant = self.options.variant
-        points, tets = bundled.load("tetrahedron_49") if variant == "49" else (_cut(_CUTS[variant]), _EIGHT)
+        points, tets = bundled_meshes.load("tetrahedron_49") if variant == "49" else (_cut(_CUTS[variant]), _EIGHT)
         if self.options.size is not None:
             points = points * (self.options.size / np.linalg.norm(_CORNERS[1] - _CORNERS[0]))
         made = TetMesh(points, tets)
-        return made, created.metrics(made)
+        return made, metrics.metrics(made)
 
 
 def _cut(past_middle: tuple[float, ...]) -> Floats:

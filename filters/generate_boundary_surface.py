@@ -7,15 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from wct_plugin import quality
 from wct_plugin.errors import WctWarning
+from wct_plugin.measure import quality
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
-from wct_plugin.surface import find_rows
-from wct_plugin.topology import FACETS
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.topology import FACETS
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Floats, Ints, Metrics
 
 
 class BoundarySurfaceOptions(Options):
@@ -27,7 +26,7 @@ class BoundarySurfaceOptions(Options):
     )
 
 
-class GenerateBoundarySurface(Filter[BoundarySurfaceOptions]):
+class GenerateBoundarySurface(FilterStage[BoundarySurfaceOptions]):
     """Give the boundary of a tet mesh, each triangle with the quality of the tet behind it, for MeshLab to colour.
 
     In a PLY file the array ``quality`` is what MeshLab calls quality per face. An interface's tet is the worse of its

@@ -4,9 +4,11 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from wct_plugin.adapters import pytetwild, tetgen
+from wct_plugin.adapters import ftetwild, tetgen
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.types import Metrics
 
 #: The options that only one mesher has; the others are for both.
 _OWN = {
@@ -58,7 +60,7 @@ class TetrahedralizationOptions(Options):
         return {name: value for name, value in inner(self).items() if name not in others}
 
 
-class GenerateTetrahedralization(Filter[TetrahedralizationOptions]):
+class GenerateTetrahedralization(FilterStage[TetrahedralizationOptions]):
     """Fill a surface with tetrahedra by fTetWild or TetGen; the surface travels on as the mesh's reference.
 
     fTetWild is not reproducible: two runs give two meshes. It heals gaps and self-intersections within ``epsilon``.
@@ -79,5 +81,5 @@ class GenerateTetrahedralization(Filter[TetrahedralizationOptions]):
             tets = tetgen.tetrahedralize(mesh, **options)
         else:
             progress(Progress("fTetWild", 0.0))
-            tets = pytetwild.tetrahedralize(mesh, **options)
+            tets = ftetwild.tetrahedralize(mesh, **options)
         return tets, {"tets": len(tets.tets), "points": len(tets.points)}

@@ -5,8 +5,10 @@ from typing import Any, ClassVar
 from pydantic import Field
 
 from wct_plugin.mesh import TetMesh
-from wct_plugin.report import make_report
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.report.report import make_report
+from wct_plugin.types import Metrics
 
 
 class QualityOptions(Options):
@@ -15,7 +17,7 @@ class QualityOptions(Options):
     worst: int = Field(10, ge=0, description="How many of the worst tets to list")
 
 
-class GetQuality(Filter[QualityOptions]):
+class GetQuality(FilterStage[QualityOptions]):
     """Measure a tet mesh: ranges of h/R, angles and R/l, tiers, flags, and the worst tets with their place."""
 
     name = "get_quality"

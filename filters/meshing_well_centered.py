@@ -7,35 +7,38 @@ from dataclasses import replace
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import conforming, edge_length, quality, scaling, starts
-from wct_plugin.adapters import meshio
-from wct_plugin.deviation import deviation
-from wct_plugin.edge_length import EdgeLength
+from wct_plugin import io
+from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import OptionError, WctWarning
-from wct_plugin.fidelity import beyond, fidelity
-from wct_plugin.goals import DUAL, misses
-from wct_plugin.listener import Listener
-from wct_plugin.local_search import LocalSearch, best
-from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.overlap import overlap
-from wct_plugin.quality import Quality
-from wct_plugin.reference import Reference, gap, own_boundary
-from wct_plugin.reference_choice import choose
-from wct_plugin.released import Released, released
-from wct_plugin.remaining import remaining
-from wct_plugin.shape_floor import shape_floor
-from wct_plugin.stage import Filter, Metrics, Options, ProgressCallback
-from wct_plugin.starts import Start
-from wct_plugin.surface import find_rows, strata, surface_edges
-from wct_plugin.thickness import thinnest
-from wct_plugin.transfer import carry, resampled
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from wct_plugin.measure import quality
+from wct_plugin.measure.deviation import measure_deviation
+from wct_plugin.measure.fidelity import beyond, measure_fidelity
+from wct_plugin.measure.goals import DUAL, misses
+from wct_plugin.measure.quality import Quality
+from wct_plugin.measure.released_creases import Released
+from wct_plugin.measure.shape_floor import measure_shape_floor
+from wct_plugin.measure.thin_walls import thinnest
+from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
+from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.strata import find_strata
+from wct_plugin.mesh.triangle_surfaces import surface_edges
+from wct_plugin.meshing import conforming, edge_length, search_mesh
+from wct_plugin.meshing.edge_length import EdgeLength
+from wct_plugin.meshing.local_search import LocalSearch, best
+from wct_plugin.meshing.phase_progress import Listener
+from wct_plugin.meshing.reference import Reference, own_boundary
+from wct_plugin.meshing.reference_choice import choose
+from wct_plugin.meshing.reference_fit import gap
+from wct_plugin.meshing.released_creases import measure_released
+from wct_plugin.meshing.search_mesh import SearchMesh
+from wct_plugin.meshing.transfer import carry, resampled
+from wct_plugin.obstructions.remaining_tets import list_remaining
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import ProgressCallback
+from wct_plugin.types import Floats, Metrics
 
 
 class MeshingOptions(Options):
@@ -95,7 +98,7 @@ class MeshingOptions(Options):
         return self
 
 
-class MeshingWellCentered(Filter[MeshingOptions]):
+class MeshingWellCentered(FilterStage[MeshingOptions]):
     """Resample, reconnect and move until every tet contains its circumcenter; the surface stays within a tolerance.
 
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
@@ -130,10 +133,10 @@ class MeshingWellCentered(Filter[MeshingOptions]):
         self._surface = _load(self.options.reference)  # now, so that a file of no use is refused before any work
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
-        scaling.check(mesh)
+        unit_scaling.check(mesh)
         surface = self._surface or mesh.reference
         if surface:
-            scaling.check_reference(surface, mesh)
+            unit_scaling.check_reference(surface, mesh)
         wanted = edge_length.at_points(self.options.edge_length, mesh)
         tangled = overlap(mesh)
         if tangled:
@@ -143,18 +146,18 @@ class MeshingWellCentered(Filter[MeshingOptions]):
                 WctWarning,
                 stacklevel=3,
             )
-        unit = scaling.exponent(mesh.points)
-        normalized = scaling.scaled(replace(mesh, reference=surface), -unit)
+        unit = unit_scaling.exponent(mesh.points)
+        normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
         own = own_boundary(normalized, self.options.crease_angle)
         if self.options.goal in DUAL:
             found = self._conform(normalized, own, unit, progress)
         else:
             found = self._well_center(
-                normalized, own, None if wanted is None else scaling.rescaled(wanted, -unit), unit, progress
+                normalized, own, None if wanted is None else unit_scaling.rescaled(wanted, -unit), unit, progress
             )
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
         if found.mesh is not normalized:
-            new = replace(scaling.scaled(found.mesh, unit), reference=surface)
+            new = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
             crossed = None if tangled else overlap(new)
             if crossed:
                 warnings.warn(
@@ -225,10 +228,12 @@ class MeshingWellCentered(Filter[MeshingOptions]):
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
         work["stopped"], work["kept"] = listen.stopped, False
-        work["released"] = released(reference, found["released"] if better is not mesh else found["released"][:0])
+        work["released"] = measure_released(
+            reference, found["released"] if better is not mesh else found["released"][:0]
+        )
         return _Found(better, after, tolerance, work)
 
-    def _share(self, start: Start) -> float:
+    def _share(self, start: SearchMesh) -> float:
         """Of the tets that miss the goal in a start of the search."""
         mesh = TetMesh(start["points"], start["tets"])
         return self._bad(mesh, quality.measure(mesh)) / len(mesh.tets)
@@ -289,32 +294,32 @@ class MeshingWellCentered(Filter[MeshingOptions]):
     ) -> Metrics:
         """What was reached and what is left, measured on the mesh itself; warns where the tolerance is not kept."""
         options = self.options
-        kept = fidelity(old, new, new.reference)
+        kept = measure_fidelity(old, new, new.reference)
         allowed = tolerance / (new.reference or old).diagonal
         if far := beyond(kept, allowed):
             warnings.warn(f"{', '.join(far)}; the tolerance is {allowed:.2e}", WctWarning, stacklevel=3)
-        left = remaining(
+        left = list_remaining(
             new,
-            strata(new, options.crease_angle),
+            find_strata(new, options.crease_angle),
             measured,
             goal=options.goal,
             boundary=options.boundary,
             crease_angle=options.crease_angle,
             stopped=stopped,
         )
-        shape = shape_floor(new, measured, old, own.strata, tolerance)
+        shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
-    def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> Start:
+    def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> SearchMesh:
         """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
         moves = self.options.boundary == "move"
-        start = starts.from_mesh(mesh, own, pinned=not moves)
+        start = search_mesh.from_mesh(mesh, own, pinned=not moves)
         if size is not None:
             start["size"] = size
         if moves or listen.stopped:
             return start
         acute, seed = self.options.goal == "cwc", self.options.seed + 1
-        refilled = starts.refill(start, own.sides, size, acute=acute, seed=seed, progress=listen.resample)
+        refilled = search_mesh.refill(start, own.sides, size, acute=acute, seed=seed, progress=listen.resample)
         if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
             return start
         return refilled
@@ -346,7 +351,7 @@ def _where(mesh: TetMesh, tets: tuple[int, int]) -> str:
 
 def _no_crease(own: Reference) -> Released:
     """What is said of creases that became ordinary surface, where the mesh stays as it is."""
-    return released(own, np.empty(0, dtype=np.int64))
+    return measure_released(own, np.empty(0, dtype=np.int64))
 
 
 def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: float) -> bool:
@@ -354,7 +359,7 @@ def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: flo
     if reference is own:
         return True
     surface = SurfaceMesh(reference.points, reference.strata.triangles)
-    return deviation(mesh.boundary_surface(), surface, compiled=True).max <= tolerance
+    return measure_deviation(mesh.boundary_surface(), surface, compiled=True).max <= tolerance
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:
@@ -371,7 +376,7 @@ def _has_wires(mesh: TetMesh, own: Reference) -> bool:
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
     if not isinstance(reference, str):
         return reference
-    surface = meshio.read(reference)
+    surface = io.read(reference)
     if isinstance(surface, TetMesh):
         raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
     return surface

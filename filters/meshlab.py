@@ -7,10 +7,12 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from wct_plugin.adapters import meshlab
+from wct_plugin.adapters.meshlab import run as meshlab
 from wct_plugin.errors import OptionError
 from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.stage import Filter, Metrics, Options, Progress, ProgressCallback
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.types import Metrics
 
 
 class MeshlabOptions(Options):
@@ -39,7 +41,7 @@ class MeshlabOptions(Options):
         return self
 
 
-class Meshlab(Filter[MeshlabOptions]):
+class Meshlab(FilterStage[MeshlabOptions]):
     """Run any pymeshlab filter, or an .mlx script of MeshLab, on a surface: repair, remesh, smooth, measure.
 
     Names, types, choices and declared ranges of all arguments are checked before anything runs. The metrics hold what

@@ -6,6 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from support.full_mesh import full_mesh, full_surface, plain_mesh
+
+from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
 def pytest_configure() -> None:
@@ -23,3 +26,18 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
         pytest.skip(f"no small disk to fill: {made.stderr.strip()}")
     yield disk
     subprocess.run(["umount", disk], check=True)
+
+
+@pytest.fixture
+def plain() -> TetMesh:
+    return plain_mesh()
+
+
+@pytest.fixture
+def full(plain: TetMesh) -> TetMesh:
+    return full_mesh(plain)
+
+
+@pytest.fixture
+def surface(plain: TetMesh) -> SurfaceMesh:
+    return full_surface(plain)

@@ -6,30 +6,49 @@
 >>> wct.write("part.vtu", mesh)  # doctest: +SKIP
 >>> chain = wct.Reader("bone.ply") | wct.Filter.generate_tetrahedralization() | wct.Filter.meshing_well_centered()
 >>> result = (chain | wct.Writer("bone.vtu") | wct.Writer("bone.html")).execute()  # doctest: +SKIP
+
+Names are imported when first asked for, so that importing a part of the package imports that part alone.
 """
 
-try:
-    import wct_plugin._core  # noqa: F401
-except ImportError as error:
-    raise ImportError(
-        "wct_plugin is not installed here: its compiled core (wct_plugin._core) is missing; "
-        "run `pip install .` (or `pip install -e .`) in the source tree, with a C++20 compiler at hand"
-    ) from error
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from wct_plugin.adapters.meshio import read, write
-from wct_plugin.batch import run_batch
-from wct_plugin.constructors import Filter, Reader, Writer
-from wct_plugin.errors import InputError, InternalError, NeighbourError, OptionError, OutputError, WctError, WctWarning
-from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.pipeline import Pipeline
-from wct_plugin.result import Result
-from wct_plugin.stage import apply_filter
+if TYPE_CHECKING:
+    from wct_plugin.batch.run import run_batch
+    from wct_plugin.errors import InputError, NeighbourError, OptionError, OutputError, WctError, WctWarning
+    from wct_plugin.io import read, write
+    from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+    from wct_plugin.pipeline.constructors import Filter, Reader, Writer
+    from wct_plugin.pipeline.pipeline import Pipeline
+    from wct_plugin.pipeline.result import Result
+    from wct_plugin.pipeline.stage import apply_filter
+
+#: Where each public name comes from.
+_HOMES = {
+    "Cells": "wct_plugin.mesh",
+    "Filter": "wct_plugin.pipeline.constructors",
+    "InputError": "wct_plugin.errors",
+    "NeighbourError": "wct_plugin.errors",
+    "OptionError": "wct_plugin.errors",
+    "OutputError": "wct_plugin.errors",
+    "Pipeline": "wct_plugin.pipeline.pipeline",
+    "Reader": "wct_plugin.pipeline.constructors",
+    "Result": "wct_plugin.pipeline.result",
+    "SurfaceMesh": "wct_plugin.mesh",
+    "TetMesh": "wct_plugin.mesh",
+    "WctError": "wct_plugin.errors",
+    "WctWarning": "wct_plugin.errors",
+    "Writer": "wct_plugin.pipeline.constructors",
+    "apply_filter": "wct_plugin.pipeline.stage",
+    "read": "wct_plugin.io",
+    "run_batch": "wct_plugin.batch.run",
+    "write": "wct_plugin.io",
+}
 
 __all__ = [
     "Cells",
     "Filter",
     "InputError",
-    "InternalError",
     "NeighbourError",
     "OptionError",
     "OutputError",
@@ -46,3 +65,15 @@ __all__ = [
     "run_batch",
     "write",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value  # so that it is looked up once
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cubes.symmetry import Arrangement, Floats, Ints
-from wct_plugin import _core
-from wct_plugin.quality import circumcenters
+from wct_plugin.core import _core
+from wct_plugin.measure.quality import circumcenters
 
 Goal = Literal["cwc", "3wc"]
 

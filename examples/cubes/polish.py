@@ -5,7 +5,7 @@ from scipy.optimize import linprog
 
 from cubes.descent import Goal, tetrahedralization
 from cubes.symmetry import Floats, Ints
-from wct_plugin.topology import FACETS
+from wct_plugin.mesh.topology import FACETS
 
 FLAT = 1e-10
 TINY = 1e-30  # complex steps have no cancellation

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from wct_plugin.types import Floats
+
 Ints = NDArray[Any]
 
 NEAR = 1e-6

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 import pyvista as pv
-from builders import two_region_cube
+from support.builders import two_region_cube
 from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
 
-from wct_plugin.adapters.meshio import read, write
+from wct_plugin.io import read, write
 from wct_plugin.mesh import Cells, TetMesh
 
 

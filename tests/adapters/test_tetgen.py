@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import rotation, sphere_surface, two_region_cube
-from processes import wait_until, working_in
+from support.builders import rotation, sphere_surface, two_region_cube
+from support.processes import wait_until, working_in
 
 from wct_plugin.adapters.tetgen import _Job, _write, tetrahedralize
 from wct_plugin.errors import InputError, NeighbourError, OptionError
@@ -354,7 +354,7 @@ def test_what_it_says_of_files_that_we_never_write(tmp_path: Path) -> None:
 
 def test_ctrl_c_ends_it(scratch: Path) -> None:
     code = (
-        "import tempfile, sys; tempfile.tempdir = sys.argv[1]; from builders import sphere_surface; "
+        "import tempfile, sys; tempfile.tempdir = sys.argv[1]; from support.builders import sphere_surface; "
         "from wct_plugin.adapters.tetgen import tetrahedralize; "
         "tetrahedralize(sphere_surface(100), edge_length=2e-3)"
     )

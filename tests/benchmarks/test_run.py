@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import ball, jittered_cube, regular_tet, sphere_surface
+from support.builders import ball, jittered_cube, regular_tet, sphere_surface
 
 from benchmarks import growth, kernels, ours, table
 from benchmarks.judge import judge, row_of
@@ -15,7 +15,7 @@ from benchmarks.odt import odt_delaunay
 from benchmarks.ours import MESHING
 from benchmarks.peers import MESHER
 from benchmarks.run import run, watch
-from wct_plugin.adapters.meshio import write
+from wct_plugin.io import write
 from wct_plugin.mesh import TetMesh
 
 

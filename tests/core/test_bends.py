@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import cylinder, kuhn_grid, two_region_cube
-from core_meshes import start
+from support.builders import cylinder, kuhn_grid, two_region_cube
+from support.core_meshes import start
 
 from wct_plugin import apply_filter
-from wct_plugin.deviation import deviation
+from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import TetMesh
-from wct_plugin.reference import given_surface, own_boundary
+from wct_plugin.meshing.reference import given_surface, own_boundary
 
 TOLERANCE = 1e-3
 SAG = 1.31  # of a typical facet, in tolerances
@@ -80,4 +80,4 @@ def test_a_long_edge_that_bends_is_followed_all_along():
     better, metrics = apply_filter("meshing_well_centered", mesh, tolerance=TOLERANCE, edge_length=0.6)
     assert metrics["bad"] == 0
     surface = mesh.boundary_surface()
-    assert deviation(better.boundary_surface(), surface).max <= TOLERANCE * surface.diagonal
+    assert measure_deviation(better.boundary_surface(), surface).max <= TOLERANCE * surface.diagonal

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, Delaunay
 
-from wct_plugin import _core
-from wct_plugin.predicates import orientation
+from wct_plugin.core import _core
+from wct_plugin.exact.predicates import orientation
 
 
 def as_set(tets):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from builders import kuhn_grid
-from core_meshes import start
+from support.builders import kuhn_grid
+from support.core_meshes import start
 
 from wct_plugin.mesh import TetMesh
-from wct_plugin.reference import own_boundary
+from wct_plugin.meshing.reference import own_boundary
 
 BENT = 1 - np.tan(np.radians(20.0))  # up to here the ridge bends by more than 40 degrees
 

@@ -2,78 +2,21 @@
 
 import numpy as np
 import pytest
-from builders import ball, cylinder, jittered_cube, sphere_surface
-from core_meshes import FACETS
+from support.builders import ball, cylinder, jittered_cube, sphere_surface
+from support.core_meshes import FACETS
+from support.searching import arguments, bad, check_valid, rows, search
 
-from wct_plugin import _core, quality
-from wct_plugin.deviation import deviation
+from wct_plugin.core import _core
+from wct_plugin.measure import quality
+from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.reference import own_boundary
-from wct_plugin.surface import enclosed_volume
-from wct_plugin.topology import Topology
-
-
-def arguments(mesh, *, pinned=False, crease_angle=40.0):
-    """What ``search_well_centered`` takes, for a mesh that stays near its own boundary."""
-    own = own_boundary(mesh, crease_angle)
-    of = own.strata
-    return {
-        "points": mesh.points,
-        "tets": mesh.tets,
-        "regions": np.searchsorted(own.regions, mesh.regions),
-        "stratum": np.where(of.stratum > 0, 3, 0).astype(np.int8) if pinned else of.stratum,
-        "label": np.full(len(of.label), -1) if pinned else of.label,
-        "size": np.full(len(mesh.points), 0.3),
-        "facets": of.triangles,
-        "facet_patch": of.patch,
-        "creases": of.segments,
-        "crease_curve": of.curve,
-        "surface_points": mesh.points,
-        "surface_triangles": of.triangles,
-        "surface_patch": of.patch,
-        "surface_segments": of.segments,
-        "surface_curve": of.curve,
-    }
-
-
-def search(mesh, *, pinned=False, change=None, **options):
-    settings = {
-        "tolerance": 0.05,
-        "acute": True,
-        "margin": 0.02,
-        "flip_surface": True,
-        "split_surface": True,
-        "passes": 2,
-        "kicks": 8,
-        "seed": 0,
-    }
-    return _core.search_well_centered(**(arguments(mesh, pinned=pinned) | (change or {})), **(settings | options))
-
-
-def bad(points, tets):
-    """Tets that miss CWC, or meet it by less than the search asks for."""
-    clear = quality.heights_over_radius(points, tets).min(axis=1) > 2e-3
-    return int((~clear | (np.cos(np.radians(quality.face_angles(points, tets))).min(axis=1) <= 2e-3)).sum())
-
-
-def rows(cells):
-    return {tuple(row) for row in np.sort(cells, axis=1).tolist()}
+from wct_plugin.mesh.topology import Topology
+from wct_plugin.mesh.triangle_surfaces import enclosed_volume
 
 
 def places(points, cells):
     """Cells by where their points are, not by number."""
     return {tuple(sorted(map(tuple, points[cell].tolist()))) for cell in cells}
-
-
-def check_valid(found):
-    assert (_core.orientation(found["points"], found["tets"]) == 1).all()
-    topology = Topology(found["tets"], found["regions"], len(found["points"]))
-    assert rows(topology.boundary) == rows(found["facets"])  # raises where a facet belongs to three tets
-    ends = topology.boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    assert (np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)[1] == 2).all()
-    assert np.array_equal(np.unique(found["tets"]), np.arange(len(found["points"])))
-    assert (found["stratum"][found["facets"]] > 0).all()
-    assert rows(found["creases"]) <= rows(topology.edges)
 
 
 @pytest.mark.parametrize("mesh", [jittered_cube(3, 1), ball(3)], ids=["cube", "ball"])
@@ -143,7 +86,7 @@ def near_sphere(mesh, count=2000):
 
 def apart(found, surface):
     used, place = np.unique(found["facets"], return_inverse=True)
-    return deviation(SurfaceMesh(found["points"][used], place.reshape(-1, 3)), surface, 0.01)
+    return measure_deviation(SurfaceMesh(found["points"][used], place.reshape(-1, 3)), surface, 0.01)
 
 
 @pytest.mark.parametrize("tolerance", [0.03, 0.1])
@@ -159,7 +102,7 @@ def test_coarse_facets_stay_within_the_tolerance_both_ways(tolerance):
 def test_facets_too_far_away_come_nearer():
     mesh = ball(3)
     sphere, change = near_sphere(mesh)
-    before = deviation(mesh.boundary_surface(), sphere, 0.01).max
+    before = measure_deviation(mesh.boundary_surface(), sphere, 0.01).max
     tolerance = 0.7 * before
     found = search(mesh, change=change, tolerance=tolerance, passes=6, kicks=100)
     check_valid(found)
@@ -392,10 +335,10 @@ def ball_with_an_ear():
 def test_a_tet_that_fills_a_dent_is_cut_off(seed):
     mesh, change, surface = ball_with_an_ear()
     tolerance = 0.05
-    assert deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
+    assert measure_deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
     found = search(mesh, change=change, tolerance=tolerance, seed=seed, passes=1, kicks=0, split_surface=False)
     check_valid(found)
-    apart = deviation(SurfaceMesh(found["points"], found["facets"]), surface)
+    apart = measure_deviation(SurfaceMesh(found["points"], found["facets"]), surface)
     assert max(apart.max_ab, apart.max_ba) < tolerance
 
 
@@ -417,9 +360,9 @@ def test_an_edge_across_a_ridge_is_flipped_onto_it(edge, tops, kicks):
     first, second = (np.cross(*(points[t[1:]] - points[t[0]])) for t in triangles if set(tops) <= set(t))
     assert first @ second < np.cos(np.radians(55)) * np.linalg.norm(first) * np.linalg.norm(second)
     tolerance = 0.02
-    assert deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
+    assert measure_deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
     change = {"surface_triangles": triangles}
     found = search(mesh, change=given | change, tolerance=tolerance, passes=1, kicks=kicks, split_surface=False)
     check_valid(found)
-    apart = deviation(SurfaceMesh(found["points"], found["facets"]), surface)
+    apart = measure_deviation(SurfaceMesh(found["points"], found["facets"]), surface)
     assert max(apart.max_ab, apart.max_ba) < tolerance

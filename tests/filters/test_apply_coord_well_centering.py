@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import ball, cylinder, jittered_cube, kuhn_cube, two_region_cube
+from support.builders import ball, cylinder, jittered_cube, kuhn_cube, two_region_cube
 
-from wct_plugin import apply_filter, quality
-from wct_plugin.deviation import deviation
+from wct_plugin import apply_filter
 from wct_plugin.errors import WctError
+from wct_plugin.measure import quality
+from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import Cells, SurfaceMesh
-from wct_plugin.report import make_report
-from wct_plugin.surface import strata
+from wct_plugin.mesh.strata import find_strata
+from wct_plugin.report.report import make_report
 
 
 def count(mesh, flag):
@@ -62,7 +63,7 @@ def test_a_curved_boundary_stays_within_the_tolerance(name, options):
     tolerance = options.get("tolerance", 1e-3)
     diagonal = np.linalg.norm(np.ptp(mesh.points, axis=0))
     was, now = (SurfaceMesh(m.points, m.topology.boundary) for m in (mesh, better))
-    assert 0 < deviation(was, now, spacing=0.02).max <= tolerance * diagonal
+    assert 0 < measure_deviation(was, now, spacing=0.02).max <= tolerance * diagonal
     area = np.linalg.norm(np.cross(*np.moveaxis(np.diff(was.points[was.triangles], axis=1), 1, 0)), axis=1).sum() / 2
     volume_was, volume_now = (quality.volumes(m.points, m.tets).sum() for m in (mesh, better))
     assert abs(volume_now - volume_was) <= area * tolerance * diagonal
@@ -113,7 +114,7 @@ def test_tags_sets_and_data_travel():
 
 def test_a_tagged_vertex_and_a_tagged_edge_hold():
     mesh = jittered_cube(6, 5)
-    surface = strata(mesh)
+    surface = find_strata(mesh)
     free = np.flatnonzero(surface.stratum == 1)
     edges = mesh.topology.edges
     between = edges[np.isin(edges, free).all(axis=1)]

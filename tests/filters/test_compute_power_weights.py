@@ -2,23 +2,24 @@
 
 import numpy as np
 import pytest
-from benchmarks.odt import odt_delaunay
-from builders import bcc, geodesic_ball, jittered_cube, kuhn_cube, shaken_cube
-from comparing import assert_same
-from flags import center
-from refusals import refused
 from scipy.optimize import linprog
 from scipy.sparse import csr_array, hstack
+from support.builders import bcc, geodesic_ball, jittered_cube, kuhn_cube, shaken_cube
+from support.comparing import assert_same
+from support.flags import center
+from support.refusals import refused
 
 import wct_plugin as wct
-from wct_plugin import power_weights, quality
-from wct_plugin.contradictions import contradiction
-from wct_plugin.duals import duals
+from benchmarks.odt import odt_delaunay
 from wct_plugin.errors import InputError, WctError
+from wct_plugin.measure import quality
+from wct_plugin.measure.duals import compute_duals
+from wct_plugin.measure.negative_duals import count_negative_duals
+from wct_plugin.measure.orthocenters import slopes
+from wct_plugin.measure.quality import measure
 from wct_plugin.mesh import TetMesh
-from wct_plugin.negative_duals import negative_duals
-from wct_plugin.power import slopes
-from wct_plugin.quality import measure
+from wct_plugin.weights import linear_programs
+from wct_plugin.weights.infeasibility import contradiction
 
 
 def weigh(mesh, **options):
@@ -51,8 +52,8 @@ def test_what_it_writes_is_true(relaxed):
     assert marked.point_data["weighted_dual_volume"].sum() == pytest.approx(measure(relaxed).volume.sum())
     assert_same(marked, relaxed, without=r"point_data|cell_data")
     assert not relaxed.point_data
-    for kind, of in (("circumcentric", duals(relaxed)), ("weighted", duals(relaxed, weights))):
-        assert metrics["negative_duals"][kind] == negative_duals(relaxed, of).to_dict()
+    for kind, of in (("circumcentric", compute_duals(relaxed)), ("weighted", compute_duals(relaxed, weights))):
+        assert metrics["negative_duals"][kind] == count_negative_duals(relaxed, of).to_dict()
 
 
 def test_all_where_almost_all_contain_their_circumcenter():
@@ -69,7 +70,7 @@ def test_all_where_almost_all_contain_their_circumcenter():
     marked, metrics = weigh(moved, strict=True, margin=0.02)
     assert metrics["weighted_well_centered"]["percent"] == 100.0
     assert metrics["margin"] == marked.cell_data["orthocenter_margin"].min() > 0.01
-    found = duals(moved, marked.point_data["power_weight"])
+    found = compute_duals(moved, marked.point_data["power_weight"])
     assert min(found.lengths.min(), found.areas.min(), found.volumes.min()) > 0
 
 
@@ -152,7 +153,7 @@ def test_what_no_weights_can_do_is_proven():
 
 def test_programmes_leave_fewer_without_than_descent(monkeypatch):
     mended = weigh(shaken_cube(3), margin=1e-3)[1]["without_orthocenter"]
-    monkeypatch.setattr(power_weights, "_MENDED", 0)
+    monkeypatch.setattr(linear_programs, "_MENDED", 0)
     assert len(mended) < len(weigh(shaken_cube(3), margin=1e-3)[1]["without_orthocenter"])
 
 

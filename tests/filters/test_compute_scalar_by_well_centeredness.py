@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from builders import bcc, jittered_cube
+from support.builders import bcc, jittered_cube
 
 import wct_plugin as wct
-from wct_plugin import quality
+from wct_plugin.measure import quality
 
 FLAGS = ("is_3wc", "is_2wc", "is_cwc", "is_acute")
 

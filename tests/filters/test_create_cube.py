@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from paper import CUBES
-from printed import beaten, columns
+from support.printed import beaten, columns
 
 import wct_plugin as wct
-from wct_plugin import bundled, quality
+from wct_plugin.creation import bundled_meshes
 from wct_plugin.errors import OptionError
+from wct_plugin.measure import quality
 
 #: Min and max of h/R, face angle, dihedral angle and R/l.
 ROWS = {
@@ -108,8 +109,8 @@ def test_cube_corner():
 
 
 def test_bundled_coordinates_are_short_enough_to_publish():
-    for name in bundled.names():
-        points, tets = bundled.load(name)
+    for name in bundled_meshes.names():
+        points, tets = bundled_meshes.load(name)
         assert np.array_equal(np.round(points, 5), points)
         assert (quality.volumes(points, tets) > 0).all()
 

@@ -6,12 +6,13 @@ from itertools import product
 
 import numpy as np
 import pytest
-from refusals import refused
+from support.refusals import refused
 
 import wct_plugin as wct
-from wct_plugin import bundled, quality, voxel_mesh
+from wct_plugin.creation import bundled_meshes, voxel_mesh
 from wct_plugin.errors import InputError, OptionError
-from wct_plugin.topology import FACETS
+from wct_plugin.measure import quality
+from wct_plugin.mesh.topology import FACETS
 
 
 def made(voxels, **options):
@@ -72,7 +73,7 @@ def test_figures(voxels, euler):
 @pytest.mark.parametrize("variant", ["194_paper", "194_best", "104", "87", "84"])
 def test_any_cube_matches_its_mirror_image(variant):
     mesh, _ = made(l_shape(), variant=variant)
-    faces = len(bundled.load(f"cube_{variant}")[1][:, FACETS].reshape(-1, 3))
+    faces = len(bundled_meshes.load(f"cube_{variant}")[1][:, FACETS].reshape(-1, 3))
     single, _ = made(np.ones((1, 1, 1)), variant=variant)
     assert len(single.topology.boundary) < faces
     solid, _ = made(np.ones((2, 2, 2)), variant=variant)
@@ -104,7 +105,7 @@ def test_values_become_regions_and_their_interface():
 def test_every_voxel_holds_an_exact_copy_of_the_cube():
     """Up to reflection the shapes of all tets are those of one cube, to the bit: what holds for it holds for all."""
     mesh, _ = made(ball(5))
-    points, tets = bundled.load("cube_194")
+    points, tets = bundled_meshes.load("cube_194")
     snapped = voxel_mesh.snapped(points)
     assert np.abs(snapped - points).max() < 5e-7
     copies = [np.where(flips, 1 - snapped, snapped) for flips in product((0, 1), repeat=3)]

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from printed import PAPER_TETS, columns
+from support.printed import PAPER_TETS, columns
 
 import wct_plugin as wct
-from wct_plugin import quality
 from wct_plugin.errors import OptionError
-from wct_plugin.topology import FACETS
+from wct_plugin.measure import quality
+from wct_plugin.mesh.topology import FACETS
 
 
 def tiling(**options):

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from paper import EIGHT, FORTY_NINE
-from printed import PAPER_TETS, beaten, columns
+from support.printed import PAPER_TETS, beaten, columns
 
 import wct_plugin as wct
-from wct_plugin import quality
 from wct_plugin.errors import OptionError
-from wct_plugin.topology import EDGES
+from wct_plugin.measure import quality
+from wct_plugin.mesh.topology import EDGES
 
 
 def edge_lengths(mesh: wct.TetMesh) -> np.ndarray:

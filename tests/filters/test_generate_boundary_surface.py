@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pymeshlab
 import pytest
-from builders import jittered_cube, regular_tet, two_region_cube
+from support.builders import jittered_cube, regular_tet, two_region_cube
 
 import wct_plugin as wct
-from wct_plugin import quality
 from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.measure import quality
 from wct_plugin.mesh import Cells, SurfaceMesh
-from wct_plugin.topology import FACETS
+from wct_plugin.mesh.topology import FACETS
 
 
 def behind(mesh, surface) -> np.ndarray:

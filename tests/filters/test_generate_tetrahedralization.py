@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import sphere_surface, two_region_cube
+from support.builders import sphere_surface, two_region_cube
 
 import wct_plugin as wct
 from wct_plugin.errors import InputError, OptionError, WctWarning
 from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.stage import find_filter
+from wct_plugin.pipeline.stage import find_filter
 
 
 def test_the_surface_travels_on_as_the_reference():

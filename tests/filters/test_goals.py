@@ -4,15 +4,17 @@ import json
 
 import numpy as np
 import pytest
-from builders import ball, cylinder, jittered_cube, kuhn_cube, kuhn_grid, l_shape, rotation, two_region_cube
+from support.builders import ball, cylinder, jittered_cube, kuhn_cube, kuhn_grid, l_shape, rotation, two_region_cube
 
-from wct_plugin import apply_filter, cli, duals, quality
+from wct_plugin import apply_filter
 from wct_plugin import write as write_mesh
-from wct_plugin.deviation import deviation
+from wct_plugin.cli import main
 from wct_plugin.errors import OptionError, WctWarning
-from wct_plugin.goals import misses
+from wct_plugin.measure import duals, quality
+from wct_plugin.measure.deviation import measure_deviation
+from wct_plugin.measure.goals import misses
 from wct_plugin.mesh import Cells, TetMesh
-from wct_plugin.topology import FACETS
+from wct_plugin.mesh.topology import FACETS
 
 
 def run(mesh, goal, **options):
@@ -39,7 +41,7 @@ def region_volumes(mesh):
 
 def negatives(mesh):
     """Duals that are not positive: lengths, areas, volumes."""
-    found = duals.duals(mesh)
+    found = duals.compute_duals(mesh)
     signed = (
         (found.lengths, found.errors),
         (found.areas, found.area_errors),
@@ -86,7 +88,7 @@ def test_curved_domains_become_one_sided_within_the_tolerance(mesh):
     better, metrics = run(mesh, "one-sided", boundary="keep")
     assert negatives(better) == [0, 0, 0]
     surface = mesh.boundary_surface()
-    assert deviation(better.boundary_surface(), surface).max <= metrics["tolerance"] * surface.diagonal
+    assert measure_deviation(better.boundary_surface(), surface).max <= metrics["tolerance"] * surface.diagonal
     assert places(mesh.points, np.unique(mesh.topology.boundary)[:, None]) <= places(
         better.points, np.unique(better.topology.boundary)[:, None]
     )
@@ -191,11 +193,11 @@ def test_edge_length_means_nothing_to_the_cheapest_change():
 def test_exit_codes_of_optimize_and_report(tmp_path, capsys):
     given, kept, fixed = (str(tmp_path / name) for name in ("given.vtu", "kept.vtu", "fixed.vtu"))
     write_mesh(given, kuhn_cube(2))
-    assert cli.run(["optimize", given, kept, "--goal", "one-sided", "--boundary", "keep"]) == 0
-    assert cli.run(["optimize", given, fixed, "--goal", "one-sided", "--boundary", "fixed"]) == 1
+    assert main.run(["optimize", given, kept, "--goal", "one-sided", "--boundary", "keep"]) == 0
+    assert main.run(["optimize", given, fixed, "--goal", "one-sided", "--boundary", "fixed"]) == 1
     assert "tets miss the goal" in capsys.readouterr().out
-    assert cli.run(["report", kept, "--goal", "one-sided"]) == 0
-    assert cli.run(["report", given, "--goal", "one-sided"]) == 1
-    assert cli.run(["report", given, "--goal", "delaunay"]) == 0
-    assert cli.run(["report", kept, "--goal", "delaunay", "--exact"]) == 0
-    assert cli.run(["report", kept, "--goal", "one-sided", "--exact"]) == 2
+    assert main.run(["report", kept, "--goal", "one-sided"]) == 0
+    assert main.run(["report", given, "--goal", "one-sided"]) == 1
+    assert main.run(["report", given, "--goal", "delaunay"]) == 0
+    assert main.run(["report", kept, "--goal", "delaunay", "--exact"]) == 0
+    assert main.run(["report", kept, "--goal", "one-sided", "--exact"]) == 2

@@ -6,7 +6,7 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
-from builders import (
+from support.builders import (
     ball,
     cylinder,
     fin,
@@ -17,13 +17,16 @@ from builders import (
     sphere_surface,
     two_region_cube,
 )
-from domains import check_domain
+from support.domains import check_domain
 
-from wct_plugin import _core, apply_filter, cli, quality, read
-from wct_plugin.deviation import deviation
+from wct_plugin import apply_filter, read
+from wct_plugin.cli import main
+from wct_plugin.core import _core
 from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.measure import quality
+from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.surface import strata
+from wct_plugin.mesh.strata import find_strata
 
 SPHERE = sphere_surface(2000)
 
@@ -63,7 +66,7 @@ def test_flat_domains_become_well_centered_and_keep_their_volume(mesh):
     assert quality.measure(better).well_centered_3.all()
     check_domain(mesh, better)
     assert region_volumes(better)[0] == pytest.approx(region_volumes(mesh)[0], rel=1e-12)
-    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+    assert measure_deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
 
 
 def test_a_ball_becomes_completely_well_centered_within_the_tolerance_of_a_surface():
@@ -74,7 +77,7 @@ def test_a_ball_becomes_completely_well_centered_within_the_tolerance_of_a_surfa
     assert metrics["tolerance"] == pytest.approx(5e-3)
     assert quality.measure(better).completely_well_centered.all()
     check_domain(mesh, better)
-    assert deviation(better.boundary_surface(), SPHERE).max <= 5e-3 * SPHERE.diagonal
+    assert measure_deviation(better.boundary_surface(), SPHERE).max <= 5e-3 * SPHERE.diagonal
     assert better.reference is SPHERE
     assert np.array_equal(mesh.points, before[0])
     assert np.array_equal(mesh.tets, before[1])
@@ -86,7 +89,7 @@ def test_a_cylinder_stays_within_the_tolerance():
     assert quality.measure(better).well_centered_3.all()
     check_domain(mesh, better)
     surface = mesh.boundary_surface()
-    assert deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
+    assert measure_deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
 
 
 def test_regions_and_their_interface_are_kept():
@@ -139,7 +142,7 @@ def test_tags_survive_on_a_finer_reference():
         found = better.facets.vertices[better.facets.tags == tag]
         assert area(better.points, found) == pytest.approx(wanted, abs=off)
     assert len(better.facets) == len(better.topology.boundary)
-    assert deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
+    assert measure_deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
 
 
 def test_a_reference_that_cannot_be_followed_is_said():
@@ -155,8 +158,8 @@ def test_a_reference_with_a_hole_is_closed_and_followed():
     with pytest.warns(WctWarning, match="the reference has holes, which were closed"):
         better, metrics = run(mesh, reference=opened, tolerance=7e-3)
     assert metrics["bad"] == 0
-    assert deviation(mesh.boundary_surface(), SPHERE).max > 7e-3 * SPHERE.diagonal
-    assert deviation(better.boundary_surface(), SPHERE).max <= 7e-3 * SPHERE.diagonal
+    assert measure_deviation(mesh.boundary_surface(), SPHERE).max > 7e-3 * SPHERE.diagonal
+    assert measure_deviation(better.boundary_surface(), SPHERE).max <= 7e-3 * SPHERE.diagonal
 
 
 def test_the_same_bits_twice():
@@ -252,7 +255,7 @@ def test_the_reference_may_be_a_file(tmp_path):
     meshio.write_points_cells(name, SPHERE.points, [("triangle", SPHERE.triangles)])
     better, _ = run(ball(4), reference=name, tolerance=1e-2, goal="3wc")
     assert isinstance(better.reference, SurfaceMesh)
-    assert deviation(better.boundary_surface(), SPHERE).max <= 1e-2 * SPHERE.diagonal
+    assert measure_deviation(better.boundary_surface(), SPHERE).max <= 1e-2 * SPHERE.diagonal
 
 
 @pytest.mark.parametrize(
@@ -284,8 +287,8 @@ def test_creases_by_their_angle_alone_may_be_released_where_the_boundary_moves(m
     for boundary in ("move", "keep", "fixed"):
         with pytest.raises(KeyboardInterrupt):
             run(mesh, boundary=boundary)
-    assert np.array_equal(asked[0], strata(mesh).soft_curves)
-    assert 0 < len(asked[0]) < strata(mesh).curve.max() + 1  # those round the interface are no matter of angles
+    assert np.array_equal(asked[0], find_strata(mesh).soft_curves)
+    assert 0 < len(asked[0]) < find_strata(mesh).curve.max() + 1  # those round the interface are no matter of angles
     assert asked[1] is None
     assert asked[2] is None
 
@@ -331,8 +334,8 @@ def test_a_second_run_changes_nothing_within_the_tolerance_of_the_reference():
     assert same(run(once, tolerance=1e-2)[0], once)  # the reference comes with the mesh
     nearer, metrics = run(once, reference=SPHERE, tolerance=3e-3)
     assert not metrics["kept"]
-    assert deviation(once.boundary_surface(), SPHERE).max > 3e-3 * SPHERE.diagonal
-    assert deviation(nearer.boundary_surface(), SPHERE).max <= 3e-3 * SPHERE.diagonal
+    assert measure_deviation(once.boundary_surface(), SPHERE).max > 3e-3 * SPHERE.diagonal
+    assert measure_deviation(nearer.boundary_surface(), SPHERE).max <= 3e-3 * SPHERE.diagonal
 
 
 def test_the_cheapest_change_cannot_be_forced():
@@ -342,11 +345,11 @@ def test_the_cheapest_change_cannot_be_forced():
 
 def test_on_the_command_line_it_is_said_and_force_makes_it_anew(tmp_path, capsys):
     names = [str(tmp_path / name) for name in ("in.vtu", "out.vtu", "anew.vtu")]
-    assert cli.run(["create", "cube", names[0], "--variant", "84"]) == 0
+    assert main.run(["create", "cube", names[0], "--variant", "84"]) == 0
     capsys.readouterr()
-    assert cli.run(["optimize", *names[:2]]) == 0
+    assert main.run(["optimize", *names[:2]]) == 0
     assert "the mesh meets the goal already; it stays as it is (--force makes it anew)" in capsys.readouterr().out
-    assert cli.run(["optimize", names[0], names[2], "--force"]) == 0
+    assert main.run(["optimize", names[0], names[2], "--force"]) == 0
     assert "stays as it is" not in capsys.readouterr().out
     first, second, third = map(read, names)
     assert same(first, second)
@@ -443,7 +446,7 @@ def test_a_fin_as_thick_as_its_edges_are_long_gets_shorter_ones():
     mesh = fin()
     better, metrics = run(mesh)
     check_domain(mesh, better)
-    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+    assert measure_deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
     assert quality.volumes(better.points, better.tets).sum() == pytest.approx(32.0, rel=1e-12)
     assert metrics["bad"] == 0
     assert quality.measure(better).completely_well_centered.all()

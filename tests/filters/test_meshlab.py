@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
-from builders import kuhn_cube, sphere_surface
+from support.builders import kuhn_cube, sphere_surface
 
 import wct_plugin as wct
 from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
 from wct_plugin.mesh import SurfaceMesh
-from wct_plugin.stage import find_filter
+from wct_plugin.pipeline.stage import find_filter
 
 
 def run(surface: SurfaceMesh, name: str, **arguments: object) -> tuple[SurfaceMesh, dict]:

@@ -3,10 +3,12 @@ notch facets of one side must not reach across to the other."""
 
 import numpy as np
 import pytest
-from builders import kuhn_cube, rotation
+from support.builders import kuhn_cube, rotation
 
-from wct_plugin import _core, apply_filter, quality
-from wct_plugin.deviation import deviation
+from wct_plugin import apply_filter
+from wct_plugin.core import _core
+from wct_plugin.measure import quality
+from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import TetMesh
 
 
@@ -45,7 +47,7 @@ def test_a_wedge_becomes_well_centered_without_many_more_tets(degrees, left):
     better, metrics = apply_filter("meshing_well_centered", mesh)
     assert metrics["bad"] <= left * len(better.tets)
     assert quality.measure(better).completely_well_centered.mean() >= 1.0 - left
-    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+    assert measure_deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
     assert _volume(better) == pytest.approx(_volume(mesh), rel=1e-12)
     assert len(better.tets) <= 1.6 * len(mesh.tets)
 
@@ -74,5 +76,5 @@ def test_facets_do_not_reach_across_a_notch(degrees, monkeypatch):
     better, _ = apply_filter("meshing_well_centered", mesh)
     assert intact[0]
     assert quality.measure(better).completely_well_centered.all()
-    assert deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
+    assert measure_deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
     assert _volume(better) == pytest.approx(_volume(mesh), rel=1e-12)

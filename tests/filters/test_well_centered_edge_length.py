@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import kuhn_cube
-from domains import check_domain
+from support.builders import kuhn_cube
+from support.domains import check_domain
 
-from wct_plugin import _core, apply_filter
+from wct_plugin import apply_filter
+from wct_plugin.core import _core
 from wct_plugin.errors import OptionError
 
 

@@ -1,1 +1,1 @@
-"""The neighbours, one per file: what leaves the house and what comes in. Each is imported when first needed."""
+"""Other programs, each in a process of its own."""

@@ -15,16 +15,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin import predicates
-from wct_plugin.adapters import child
-from wct_plugin.adapters.ranges import check_at_least, check_between, check_limit
+from wct_plugin.adapters import child_process
+from wct_plugin.adapters.option_ranges import check_at_least, check_between, check_limit
+from wct_plugin.adapters.solid_surface import check_thick, flat_pieces, in_cavity, label, open_edge, shells, weld
 from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
-from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, show_row
-from wct_plugin.solid import check_thick, flat_pieces, in_cavity, label, open_edge, shells, weld
-from wct_plugin.surface import find_rows
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from wct_plugin.exact import predicates
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.mesh import show_row
+from wct_plugin.types import Floats, Ints
 
 _MEGABYTE = 1 << 20
 _LOST = 1e-9  # of the surface's area; rounding is far below, a lost triangle above
@@ -121,8 +120,8 @@ class _Job:
         advice = "a larger edge_length or radius_edge, a smaller min_dihedral or a repaired surface is faster"
         left = None if self._end is None else max(round(self._end - time.monotonic(), 2), 0.01)
         try:
-            return child.run(command, self.folder, left, "TetGen", memory=self.memory, advice=advice)
-        except child.ChildError as error:
+            return child_process.run(command, self.folder, left, "TetGen", memory=self.memory, advice=advice)
+        except child_process.ChildError as error:
             raise _explain(error, self.memory) from error
 
 
@@ -176,7 +175,7 @@ def _write(path: Path, points: Floats, triangles: Ints, pieces: Ints) -> None:
         file.write("0\n0\n")  # no holes, no seeds of regions
 
 
-def _explain(error: child.ChildError, memory: int | None) -> _AbortError:
+def _explain(error: child_process.ChildError, memory: int | None) -> _AbortError:
     """Say in one line why TetGen failed; out of memory is the one thing that it never says."""
     noise = re.compile(r"seconds:|^terminate called|^Aborted|^\s*$")
     lines = [" ".join(line.split()) for line in error.output.splitlines() if not noise.search(line)]

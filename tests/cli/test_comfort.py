@@ -1,0 +1,199 @@
+"""The command line at hand: examples, --quiet, pipes, colours, narrow terminals and completion, for every command."""
+
+import json
+import os
+import pty
+import re
+import shlex
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import click
+import pytest
+from support.builders import jittered_cube
+
+import wct_plugin as wct
+from wct_plugin.cli import main, output
+from wct_plugin.cli.commands import EXAMPLES
+
+WCT = Path(sys.executable).with_name("wct")
+COMMANDS = sorted(main.cli.commands)
+#: What each command that works on files can be given here.
+WORK = {
+    "batch": ["batch", "chain.json", "cube.vtu", "-o", "out"],
+    "filters": ["filters", "meshing_well_centered"],
+    "optimize": ["optimize", "cube.vtu", "out.vtu", "--filter", "apply_coord_well_centering"],
+    "report": ["report", "cube.vtu"],
+    "run": ["run", "chain.json", "cube.vtu", "out.vtu"],
+}
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    wct.write("cube.vtu", jittered_cube(2))
+    Path("chain.json").write_text(json.dumps([{"type": "filters.get_quality"}]))
+    return tmp_path
+
+
+def on_a_terminal(arguments, **environment):
+    """What is printed on a terminal, escape sequences and all."""
+    ours, theirs = pty.openpty()
+    clean = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "COLUMNS", "FORCE_COLOR")}
+    child = subprocess.Popen(
+        [WCT, *arguments], stdout=theirs, stderr=theirs, env=clean | {"TERM": "xterm-256color"} | environment
+    )
+    os.close(theirs)
+    shown = b""
+    with suppress(OSError):  # the terminal is gone when the child is
+        while part := os.read(ours, 65536):
+            shown += part
+    os.close(ours)
+    child.wait(60)
+    return shown.decode()
+
+
+# --- help -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_ends_with_an_example_that_the_command_takes(name, capsys):
+    assert main.run([name, "--help"]) == 0
+    shown = capsys.readouterr().out
+    assert "--quiet" in shown
+    (line,) = re.findall(r"Example:\n  +(wct .*)\n", shown)
+    assert line == EXAMPLES[name]
+    program, command, *arguments = shlex.split(line.partition(" > ")[0])
+    assert (program, command) == ("wct", name)
+    if "--help" not in arguments:
+        main.cli.commands[name].make_context(name, arguments)  # parses, runs nothing
+
+
+def test_each_creation_has_an_example_that_it_takes(capsys):
+    context = click.Context(main.cli.commands["create"])
+    names = main.cli.commands["create"].list_commands(context)
+    assert names
+    for name in names:
+        assert main.run(["create", name, "--help"]) == 0
+        shown = capsys.readouterr().out
+        (line,) = re.findall(r"Example:\n  +(wct .*)\n", shown)
+        command = main.cli.commands["create"].get_command(context, name)
+        command.make_context(name, shlex.split(line)[3:])
+        assert "--quiet" in shown
+
+
+def test_help_lists_every_command_with_what_it_does(capsys):
+    assert main.run(["--help"]) == 0
+    shown = capsys.readouterr().out
+    for name in COMMANDS:
+        assert re.search(rf"^  {name}  +\w+", shown, re.M)
+
+
+# --- quiet ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", WORK)
+def test_quiet_prints_nothing_and_does_the_same(name, place, capfd):
+    assert main.run([*WORK[name], "--quiet"]) in (0, 1)
+    assert capfd.readouterr() == ("", "")
+    made = {"batch": "out/cube.vtu", "optimize": "out.vtu", "run": "out.vtu"}
+    assert name not in made or Path(made[name]).exists()
+
+
+def test_quiet_stands_before_the_command_too_and_ends_with_it(place, capfd):
+    assert main.run(["-q", "report", "cube.vtu"]) == 0
+    assert capfd.readouterr() == ("", "")
+    assert main.run(["report", "cube.vtu"]) == 0
+    assert capfd.readouterr().out
+
+
+def test_quiet_prints_errors_and_what_is_asked_for_on_stdout(place, capsys):
+    assert main.run(["report", "-q", "none.vtu"]) == 2
+    assert capsys.readouterr().err.startswith("error: none.vtu")
+    assert main.run(["report", "-q", "cube.vtu", "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["tets"] == len(wct.read("cube.vtu").tets)
+
+
+# --- pipes, colours, widths -----------------------------------------------------------------------------------------
+
+
+def test_a_pipe_gets_plain_text_line_by_line(place):
+    Path("bad.vtu").write_text("no")
+    done = subprocess.run(
+        [WCT, "batch", "chain.json", "cube.vtu", "bad.vtu", "-o", "out", "--jobs", "1"], capture_output=True, text=True
+    )
+    assert "\x1b" not in done.stdout + done.stderr
+    first, second = done.stderr.splitlines()
+    assert re.fullmatch(r"\[1/2\] bad.vtu: failed: cannot be read as VTU: malformed or truncated \(.* s\)", first)
+    assert re.fullmatch(r"\[2/2\] cube.vtu: done \(.* s\)", second)
+    assert done.stdout.splitlines()[-1] == "bad.vtu: cannot be read as VTU: malformed or truncated"
+
+
+def test_a_terminal_gets_a_bar_and_colours_unless_told_not_to(place):
+    Path("bad.vtu").write_text("no")
+    command = ["batch", "chain.json", "cube.vtu", "bad.vtu", "-o"]
+    colour = re.compile(r"\x1b\[[0-9;]*3[0-9][0-9;]*m")
+    shown = on_a_terminal([*command, "one"])
+    assert colour.search(shown)
+    assert "2/2" in shown
+    assert "━" in shown
+    shown = on_a_terminal([*command, "two"], NO_COLOR="1")
+    assert not colour.search(shown)
+    assert "bad.vtu" in shown
+
+
+@pytest.mark.parametrize("name", WORK)
+@pytest.mark.parametrize("width", [40, 100])
+def test_no_line_is_wider_than_the_terminal(name, width, place, capsys, monkeypatch):
+    monkeypatch.setattr(output.out, "_width", width)
+    assert main.run(WORK[name]) in (0, 1)
+    shown = capsys.readouterr().out.partition("\nExample\n")[0]  # which is to be copied, so it is not broken
+    assert max(map(len, shown.splitlines())) <= width
+
+
+def test_columns_count_in_a_pipe_too(place):
+    widths = {}
+    for given in ("50", ""):
+        environment = {**os.environ, "COLUMNS": given}
+        done = subprocess.run([WCT, "filters"], capture_output=True, text=True, env=environment, check=True)
+        widths[given] = max(map(len, done.stdout.splitlines()))
+    assert widths["50"] <= 50 < widths[""] <= 120
+
+
+def test_who_reads_one_line_sees_no_error(place):
+    shown = subprocess.run(f"'{WCT}' report cube.vtu | head -n 1", shell=True, capture_output=True, text=True)
+    assert shown.stdout.count("\n") == 1
+    assert shown.stderr == ""
+
+
+# --- completion -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_scripts_ask_wct(shell, capsys):
+    assert main.run(["completion", shell]) == 0
+    assert f"_WCT_COMPLETE={shell}_complete" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("wct re", "plain,report"),
+        ("wct run dec", "plain,dec-ready"),
+        ("wct run dec", "file,dec"),
+        ("wct batch dec-ready a", "file,a"),
+        ("wct filters get", "plain,get_quality"),
+        ("wct report cu", "file,cu"),
+        ("wct optimize a.vtu b.vtu --ref", "plain,--reference"),
+        ("wct optimize a.vtu b.vtu --filter app", "plain,apply_coord_well_centering"),
+    ],
+)
+def test_completion(words, expected, monkeypatch, capsys):
+    monkeypatch.setenv("_WCT_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split()) - 1))
+    with pytest.raises((SystemExit, click.exceptions.Exit)):
+        main.run([])
+    assert expected in capsys.readouterr().out.splitlines()

@@ -1,0 +1,47 @@
+"""The documents: every link and picture of theirs is there, and the index has them all."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+
+
+def prose(page):
+    """Without blocks of code, whose brackets are none of Markdown's."""
+    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+
+
+def links(page):
+    return re.findall(r"\]\(([^)\s]+)\)", prose(page))
+
+
+def anchors(page):
+    """The names under which GitHub finds the headings."""
+    headings = re.findall(r"^#+ (.+)$", prose(page), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page):
+    for link in links(page):
+        name, _, anchor = link.partition("#")
+        if ":" in name:  # another site
+            continue
+        target = page.parent / name if name else page
+        assert target.resolve().is_relative_to(ROOT), link
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def leads_to(page):
+    return {(page.parent / link.partition("#")[0]).resolve() for link in links(page)}
+
+
+def test_the_index_leads_to_every_page_and_example_and_the_readme_to_the_index():
+    index = ROOT / "docs/index.md"
+    assert index in leads_to(ROOT / "README.md")
+    examples = [*(ROOT / "examples").glob("*.py"), *(ROOT / "examples").glob("*.sh")]
+    assert {*(ROOT / "docs").glob("*.md"), *examples} - {index} <= leads_to(index)

@@ -1,0 +1,208 @@
+"""Files that cannot be read: each is refused in one line that names it, in finite time, and nothing else is raised."""
+
+import signal
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+from wct_plugin.errors import InputError, WctWarning
+from wct_plugin.io import read, write
+from wct_plugin.io.formats import FORMATS
+from wct_plugin.mesh import TetMesh
+
+ALL = [(form, suffix) for form in FORMATS for suffix in form.suffixes]
+#: Formats without counts or an end, where a file cut at the end of a line is a good one.
+ENDLESS = (".inp", ".obj")
+TETRA = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+
+class TooLong(BaseException):
+    pass
+
+
+@pytest.fixture(autouse=True)
+def _limit() -> Iterator[None]:
+    def stop(*_: Any) -> None:
+        raise TooLong
+
+    old = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(20)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, old)
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(InputError) as caught:
+        read(path)
+    said = str(caught.value)
+    assert said.startswith(f"{path}: ")
+    assert "\n" not in said
+    return said.removeprefix(f"{path}: ")
+
+
+@pytest.fixture
+def good(request: pytest.FixtureRequest, plain: TetMesh, tmp_path: Path) -> Path:
+    form, suffix = request.param
+    path = tmp_path / f"part{suffix}"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", WctWarning)  # Nastran rounds
+        write(path, plain if form.volume else plain.boundary_surface())
+    return path
+
+
+each = pytest.mark.parametrize(("form", "suffix"), ALL, ids=lambda value: value if isinstance(value, str) else "")
+
+
+@each
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"hello\nthis is no mesh 1 2 3\n",
+        b"\n\n\n",
+        b"<html><body>404</body></html>",
+        bytes(3000),
+        bytes(range(256)) * 9,
+    ],
+    ids=["text", "blank", "html", "zeros", "binary"],
+)
+def test_garbage(form: Any, suffix: str, content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / f"part{suffix}"
+    path.write_bytes(content)
+    if form.name == "TetGen":
+        path.with_suffix(".ele" if suffix == ".node" else ".node").write_text("4 3 0 0\n1 2 3 4\n")
+    said = refusal(path)
+    assert said.startswith(f"cannot be read as {form.name}: ") or said == "has neither tets nor triangles"
+
+
+@each
+def test_empty(form: Any, suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"part{suffix}"
+    path.touch()
+    assert refusal(path) == "is empty"
+
+
+@each
+def test_missing(form: Any, suffix: str, tmp_path: Path) -> None:
+    assert refusal(tmp_path / f"part{suffix}") == "there is no such file"
+
+
+@pytest.mark.parametrize("good", ALL, indirect=True, ids=[suffix for _, suffix in ALL])
+def test_truncated(good: Path) -> None:
+    data = good.read_bytes()
+    whole = 0
+    for cut in sorted({len(data) * k // 40 for k in range(1, 40)} | {10, 30, 60, 100}):
+        good.write_bytes(data[:cut])
+        try:
+            read(good)
+            whole += 1
+        except InputError as error:
+            assert str(error).startswith(f"{good}: ")  # noqa: PT017
+    assert good.suffix in ENDLESS or not whole
+
+
+@pytest.mark.parametrize("good", ALL, indirect=True, ids=[suffix for _, suffix in ALL])
+def test_a_changed_byte_never_escapes(good: Path) -> None:
+    data, random = good.read_bytes(), np.random.default_rng(0)
+    for at in random.integers(len(data), size=60):
+        good.write_bytes(data[:at] + random.bytes(1) + data[at + 1 :])
+        try:
+            read(good)
+        except InputError as error:
+            assert str(error).startswith(f"{good}: ")  # noqa: PT017
+
+
+# Inputs on which meshio's own readers never end.
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999999\nend_header\n"),
+        ("a.off", "OFF\n"),
+        ("a.bdf", "BEGIN BULK\n"),
+        ("a.node", "# nothing\n"),
+    ],
+)
+def test_endless_readers(name: str, content: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(content)
+    (tmp_path / "a.ele").write_text("# nothing\n")
+    assert refusal(tmp_path / name)
+
+
+def test_a_directory_and_an_unknown_suffix(tmp_path: Path) -> None:
+    (tmp_path / "a.vtu").mkdir()
+    assert refusal(tmp_path / "a.vtu") == "is no file; a mesh file is needed"
+    (tmp_path / "a.docx").write_text("text")
+    assert refusal(tmp_path / "a.docx").startswith("unknown suffix '.docx'; allowed are .vtu .vtk .xdmf")
+
+
+@pytest.mark.parametrize("kind", ["hexahedron", "wedge", "pyramid", "tetra10", "triangle6", "quad", "line3"])
+def test_other_cells_are_refused_by_name(kind: str, tmp_path: Path) -> None:
+    count = meshio._common.num_nodes_per_cell[kind]
+    points = np.vstack([TETRA, np.random.default_rng(0).random((10, 3))])
+    cells = [("tetra", [[0, 1, 2, 3]]), (kind, [list(range(count))])]
+    meshio.vtu.write(tmp_path / "a.vtu", meshio.Mesh(points, cells))
+    assert refusal(tmp_path / "a.vtu") == f"has 1 {kind} cells; allowed are tetra, triangle, line and vertex"
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
+def test_cells_meshio_skips_are_not_lost(suffix: str, tmp_path: Path) -> None:
+    """VTK's voxel, type 11, is unknown to meshio, which goes on without it."""
+    path = tmp_path / f"a{suffix}"
+    points = np.random.default_rng(0).random((8, 3))
+    cells = [("tetra", [[0, 1, 2, 3]]), ("hexahedron", [list(range(8))])]
+    given = meshio.Mesh(points, cells)
+    if suffix == ".vtu":
+        meshio.vtu.write(path, given, binary=False)
+        head, types, tail = path.read_text().partition('Name="types"')
+        path.write_text(head + types + tail.replace("12", "11"))
+    else:
+        meshio.vtk.write(path, given, binary=True)
+        twelve, eleven = (np.array([value], dtype=">i4").tobytes() + b"\n" for value in (12, 11))
+        head, _, tail = path.read_bytes().rpartition(twelve)
+        path.write_bytes(head + eleven + tail)
+    assert "File contains cells that meshio cannot handle (type 11)" in refusal(path)
+
+
+def test_a_vtu_of_two_pieces_is_not_read_by_half(plain: TetMesh, tmp_path: Path) -> None:
+    path = tmp_path / "a.vtu"
+    write(path, plain)
+    head, piece, tail = path.read_text().replace("</Piece>", "<Piece").split("<Piece")
+    path.write_text(f"{head}<Piece{piece}</Piece><Piece{piece}</Piece>{tail}")
+    assert refusal(path) == "cannot be read as VTU: has 48 cells but announces 96 in 2 pieces; allowed is one piece"
+
+
+def test_neither_tets_nor_triangles(tmp_path: Path) -> None:
+    meshio.vtu.write(tmp_path / "a.vtu", meshio.Mesh(np.array(TETRA), [("line", [[0, 1]])]))
+    assert refusal(tmp_path / "a.vtu") == "has neither tets nor triangles"
+
+
+def test_plane_points(tmp_path: Path) -> None:
+    (tmp_path / "a.mesh").write_text(
+        "MeshVersionFormatted 2\nDimension 2\nVertices\n3\n0 0 0\n1 0 0\n0 1 0\nTriangles\n1\n1 2 3 0\nEnd\n"
+    )
+    assert refusal(tmp_path / "a.mesh") == "its points have 2 coordinates; allowed are 3"
+
+
+@pytest.mark.parametrize(
+    ("points", "tets", "said"),
+    [
+        ([[np.nan, 0, 0], *TETRA[1:]], [[0, 1, 2, 3]], r"point 0 is (nan, 0, 0); coordinates must be finite"),
+        (TETRA, [[0, 1, 2, 7]], "tet 0 is (0, 1, 2, 7); indices must lie in 0..3"),
+        ([*TETRA[:3], [1.0, 1, 0]], [[0, 1, 2, 3]], "tet 0, vertices (0, 1, 2, 3), has zero volume; it must not"),
+    ],
+)
+def test_what_the_mesh_finds_names_the_file(points: Any, tets: Any, said: str, tmp_path: Path) -> None:
+    meshio.vtu.write(tmp_path / "a.vtu", meshio.Mesh(np.array(points), [("tetra", np.array(tets))]))
+    assert refusal(tmp_path / "a.vtu") == said
+
+
+def test_a_ten_node_tetgen_file(tmp_path: Path) -> None:
+    (tmp_path / "a.node").write_text("1 3 0 0\n0 0 0 0\n")
+    (tmp_path / "a.ele").write_text("1 10 0\n0 0 0 0 0 0 0 0 0 0 0\n")
+    assert refusal(tmp_path / "a.ele").startswith("cannot be read as TetGen: ")

@@ -1,0 +1,1 @@
+"""MeshLab through pymeshlab, in a process of its own."""

@@ -1,0 +1,1 @@
+"""``wct``: parses and prints, nothing else."""

@@ -1,0 +1,89 @@
+"""Command-line options made from filters' declarations."""
+
+from collections.abc import Callable
+from typing import Any, get_args
+
+import click
+from pydantic.fields import FieldInfo
+
+from wct_plugin.pipeline.readers_writers import FileOptions, MeshFileOptions
+from wct_plugin.pipeline.stage import find_filter
+from wct_plugin.pipeline.stage_page import choices, describe_default, describe_range
+
+#: What the flags for writing gmsh files begin with.
+MSH_PREFIX = "msh_"
+
+
+def _click_type(field: FieldInfo) -> Any:
+    alternatives = [kind for kind in get_args(field.annotation) if kind is not type(None)] or [field.annotation]
+    return alternatives[0] if len(alternatives) == 1 and alternatives[0] in (int, float, bool) else str
+
+
+def _fields(*names: str) -> dict[str, FieldInfo]:
+    found = [find_filter(name).declaration.model_fields.items() for name in reversed(names)]
+    return {option: field for fields in found for option, field in fields}
+
+
+def _parameter(option: str, prefix: str) -> str:
+    """The command line's name of a filter's option; ``--mesher-mesher`` would be a stutter."""
+    return option if prefix == f"{option}_" else prefix + option
+
+
+def flag(option: str, prefix: str = "") -> str:
+    """The flag of an option."""
+    return "--" + _parameter(option, prefix).replace("_", "-")
+
+
+def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorate a command with one ``--option`` per field the filters declare; unset ones stay out of the call.
+
+    What is False unless asked for is asked for by the flag alone, without a value.
+    Where two filters declare a field the help is the first one's; each checks the values it is given by itself.
+    """
+    return _options(_fields(*filters), prefix)
+
+
+def msh_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate a command with an ``--msh-option`` for each option there is for writing gmsh files."""
+    return _options(_msh_fields(), MSH_PREFIX)(command)
+
+
+def given_msh(values: dict[str, Any]) -> dict[str, Any]:
+    """Take those of the command's ``values`` that are for writing gmsh files out, and give the ones that were set."""
+    found = {option: values.pop(_parameter(option, MSH_PREFIX)) for option in _msh_fields()}
+    return {option: value for option, value in found.items() if value is not None}
+
+
+def _msh_fields() -> dict[str, FieldInfo]:
+    fields = MeshFileOptions.model_fields
+    return {option: field for option, field in fields.items() if option not in FileOptions.model_fields}
+
+
+def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option, field in reversed(fields.items()):
+            words = "|".join(choices(field))
+            range_and_default = ["" if words else describe_range(field), f"default {describe_default(field)}"]
+            shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
+            metavar = f"[{words}]" if words else None
+            names = (flag(option, prefix), _parameter(option, prefix))
+            kind: dict[str, Any] = {"type": _click_type(field), "metavar": metavar}
+            if field.default is False:
+                kind, shown = {"is_flag": True, "default": None}, str(field.description)
+            command = click.option(*names, **kind, help=shown)(command)
+        return command
+
+    return decorate
+
+
+def given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
+    """Those of the command's ``values`` that were given for the filters' options."""
+    found = {option: values[_parameter(option, prefix)] for option in _fields(*names)}
+    return {option: value for option, value in found.items() if value is not None}
+
+
+def not_stdout(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
+    """Refuse ``-`` for what is no text to be piped on."""
+    if value == "-":
+        raise click.BadParameter("is '-'; it must be the name of a file")
+    return value

@@ -1,0 +1,228 @@
+"""What ``wct`` prints: results to stdout; progress, warnings and errors to stderr, errors as one line."""
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from wct_plugin.certify import certificate
+from wct_plugin.cli.interrupt import FirstAsks
+from wct_plugin.errors import WctWarning
+from wct_plugin.io import atomic_files
+from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
+from wct_plugin.pipeline import stage_page
+from wct_plugin.pipeline.result import Result
+from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.report.report import Report, short_names
+from wct_plugin.report.text_histograms import text_histograms
+
+GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
+
+
+def _width(stream: Any) -> int | None:
+    """The width to print at: a terminal's own, or that of COLUMNS; rich would take 80 for a pipe and cut tables."""
+    given = os.environ.get("COLUMNS", "")
+    if given.isdecimal() and int(given) > 0:
+        return int(given)
+    return None if stream.isatty() else 120
+
+
+out = Console(highlight=False, width=_width(sys.stdout))
+err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+
+
+def be_quiet() -> Callable[[], None]:
+    """Print nothing but errors until what this gives is called."""
+    before = out.quiet, err.quiet
+    out.quiet = err.quiet = True
+
+    def talk() -> None:
+        out.quiet, err.quiet = before
+
+    return talk
+
+
+# --- progress -------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def progress_bar() -> Iterator[ProgressCallback]:
+    """Show a bar on stderr; the first Ctrl-C or SIGTERM asks the filter to stop and keep its best, a second ends it."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
+    with (
+        ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar,
+        FirstAsks() as signals,
+    ):
+        task = bar.add_task("", total=1.0, bad="")
+
+        def show(state: Progress) -> bool:
+            signals.turn(on=state.bad is not None)  # only a filter that has a best so far can be asked to keep it
+            bad = "" if state.bad is None else f"{state.bad} bad"
+            new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
+            bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
+            if signals.asked:
+                err.print("stopping; the best so far is kept (a second Ctrl-C or SIGTERM gives up)")
+                return False
+            return True
+
+        yield show
+
+
+# --- files ----------------------------------------------------------------------------------------------------------
+
+
+def write_text(path: str, text: str) -> None:
+    """Write a text file, or to stdout where ``path`` is ``-``."""
+    if path == "-":
+        click.echo(text)
+        return
+    with atomic_files.replacing(Path(path)) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def check_outputs(*paths: str | None) -> None:
+    """Find out before the work whether these can be written."""
+    for path in paths:
+        if path not in (None, "-"):
+            atomic_files.check_writable(Path(path))
+
+
+# --- tables ---------------------------------------------------------------------------------------------------------
+
+
+def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> Table:
+    """A table whose columns but the first stand to the right, unless ``left``."""
+    made = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    for index, name in enumerate(head):
+        made.add_column(name, justify="left" if index == 0 or left else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(Text(cell) for cell in row))
+    return made
+
+
+def print_report(report: Report) -> None:
+    """Everything a report has."""
+    out.print(Text(report.headline(), style="bold"))
+    out.print(table("Ranges", ("", "min", "max"), report.rows_ranges()))
+    out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
+    out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
+    out.print(table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows()))
+    out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
+    _print_histograms([report], "", 40)
+    if report.worst:
+        out.print(table("Worst tets", report.worst_head(), report.rows_worst()))
+    _print_certificate(report, "")
+
+
+def print_side_by_side(reports: Sequence[Report]) -> None:
+    """What reports say, in columns."""
+    names = short_names(reports)
+    for number, report in enumerate(reports, start=1):
+        out.print(Text(f"{number}: {report.headline()}", style="bold"))
+
+    def beside(title: str, tables: Sequence[Sequence[Sequence[str]]]) -> None:
+        rows = [(one[0][0], *(row[1] for row in one)) for one in zip(*tables, strict=True)]
+        out.print(table(title, ("", *names), rows))
+
+    beside("Summary", [one.rows_summary() for one in reports])
+    beside("Tiers", [one.rows_tiers() for one in reports])
+    for k, where in ((1, "inside"), (2, "on the boundary")):
+        beside(f"Negative duals {where}", [[(r[0], r[k]) for r in one.negative_duals.rows()] for one in reports])
+    for k, kind in ((2, "not 3WC"), (3, "not CWC")):
+        beside(f"Where the tets are that are {kind}", [[(r[0], r[k]) for r in one.rows_places()] for one in reports])
+    share = out.width // len(reports)
+    _print_histograms(reports, "; ".join(names), min(max(share - 12, 6), 40))
+    for name, report in zip(names, reports, strict=True):
+        if report.worst:
+            out.print(table(f"Worst tets, {name}", report.worst_head(), report.rows_worst()))
+        _print_certificate(report, f", {name}")
+
+
+def _print_certificate(report: Report, name: str) -> None:
+    if report.certificate:
+        title = f"Exact certificate{name}, {report.certificate.headline()}"
+        out.print(table(title, certificate.HEAD, report.certificate.rows()))
+        for line in report.certificate.lines():
+            out.print(Text(line), soft_wrap=True)
+
+
+def _print_histograms(reports: Sequence[Report], names: str, width: int) -> None:
+    for title, lines in text_histograms(reports, width):
+        out.print(Text(f"{title}: {names}" if names else title, style="bold"))
+        for line in lines:
+            out.print(Text(line))
+
+
+def print_before_after(before: Report, after: Report) -> None:
+    """Two reports side by side, and what is left to do in the second one."""
+    rows = [(name, old, new) for (name, old), (_, new) in zip(before.rows_summary(), after.rows_summary(), strict=True)]
+    out.print(table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
+    if left := after.left():
+        out.print(table(*left, left=True))
+    for line in after.why():
+        out.print(Text(line))
+    for note in after.notes:
+        out.print(Text(note))
+
+
+def print_result(result: Result) -> None:
+    """Each stage of a pipeline with its seconds and mesh, and which goals were met."""
+    rows = [(one.stage.type(), one.tag, f"{one.seconds:.1f}", one.size()) for one in result.stages]
+    out.print(table("Stages", ("stage", "tag", "seconds", "mesh"), rows, left=True))
+    for goal in result.goals:
+        out.print(Text(str(goal)))
+
+
+def print_metrics(title: str, metrics: Mapping[str, Any]) -> None:
+    """What a filter found out, a line per metric."""
+    rows = [(name.replace("_", " "), _shown(value)) for name, value in metrics.items()]
+    out.print(table(title, ("", ""), rows))
+
+
+def _shown(value: Any) -> str:
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case float():
+            return f"{value:.4g}"
+        case list() | tuple():
+            return ", ".join(f"({_shown(item)})" if isinstance(item, list) else _shown(item) for item in value)
+        case _:
+            return str(value)
+
+
+def print_page(stage: type[FilterStage[Options]]) -> None:
+    """One filter's page."""
+    out.print(Text(stage.type(), style="bold"), Text(f"({stage_page.takes_and_gives(stage)})"))
+    out.print(Text(stage_page.about(stage)))
+    out.print(table("Options", ("option", "default", "allowed", "what"), stage_page.option_rows(stage), left=True))
+    out.print(Text("Example", style="bold"))
+    for line in stage_page.example_lines(stage):
+        out.print(Text(line), soft_wrap=True)
+
+
+# --- errors and warnings --------------------------------------------------------------------------------------------
+
+
+def fail(message: str) -> int:
+    """Print an error as one line and give its exit code."""
+    err.quiet = False
+    err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
+    return FAILED
+
+
+def show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """Print one of our warnings as one line, in the place of :func:`warnings.showwarning`."""
+    if issubclass(category, WctWarning):
+        err.print(Text("warning: ", style="yellow") + Text(" ".join(str(message).split())), soft_wrap=True)

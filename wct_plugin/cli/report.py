@@ -1,0 +1,97 @@
+"""``wct report``: what meshes are like."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import PurePath
+
+import click
+
+from wct_plugin import io
+from wct_plugin.cli import filter_options
+from wct_plugin.cli.output import GOAL_MET, GOAL_MISSED, check_outputs, print_report, print_side_by_side, write_text
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.pipeline.stage import find_filter
+from wct_plugin.report import html_report, json_schema
+from wct_plugin.report.report import Report, make_report
+
+
+def _read(source: str, reference: SurfaceMesh | None) -> TetMesh:
+    mesh = io.read(source)
+    find_filter("get_quality").check_takes(type(mesh))
+    assert isinstance(mesh, TetMesh)
+    return mesh if reference is None else replace(mesh, reference=reference)
+
+
+def _surface(source: str) -> SurfaceMesh:
+    mesh = io.read(source)
+    return mesh if isinstance(mesh, SurfaceMesh) else mesh.boundary_surface()
+
+
+def _meets(report: Report, goal: str | None) -> bool:
+    if report.certificate:
+        return report.certificate.valid if goal is None else report.certificate.meets(goal)
+    if goal is not None and not report.tiers.valid:
+        return False
+    if goal == "delaunay":
+        return report.tiers.delaunay
+    if goal == "one-sided":
+        return report.negative_duals.none
+    return goal is None or report.flags[goal] == report.tets
+
+
+@click.command()
+@click.argument("sources", metavar="FILE...", nargs=-1)
+@click.option("--json", "json_path", metavar="FILE", help="Write JSON (- for stdout): one object, or a list of them")
+@click.option(
+    "--html",
+    "html_path",
+    metavar="FILE",
+    callback=filter_options.not_stdout,
+    help="Write one self-contained HTML page with pictures",
+)
+@click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
+@click.option(
+    "--goal",
+    type=click.Choice(["delaunay", "one-sided", "3wc", "cwc"]),
+    help="Exit with 1 unless every FILE meets it; one-sided: all signed duals positive",
+)
+@click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
+@click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
+@click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of reports and end")
+def report(
+    sources: Sequence[str],
+    json_path: str | None,
+    html_path: str | None,
+    worst: int,
+    goal: str | None,
+    exact: bool,
+    reference: str | None,
+    print_schema: bool,
+) -> int:
+    """Measure tet meshes, several side by side: ranges, tiers, flags, histograms, the worst tets with their place."""
+    if print_schema:
+        write_text("-", json_schema.text())
+        return GOAL_MET
+    if not sources:
+        raise click.UsageError("Missing argument 'FILE...'.")
+    if exact and goal == "one-sided":
+        raise click.UsageError("--exact proves no dual area: --goal one-sided goes without it, delaunay or 3wc with it")
+    check_outputs(json_path, html_path)
+    if html_path:
+        html_report.check_available()
+    surface = _surface(reference) if reference else None
+    meshes = [_read(source, surface) for source in sources]
+    reports = [make_report(mesh, worst, exact=exact) for mesh in meshes]
+    if html_path:
+        title = ", ".join(PurePath(source).name for source in sources)
+        write_text(html_path, html_report.html(reports, title, meshes=meshes))
+    if json_path:
+        found = [one.to_dict() for one in reports]
+        write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
+    if json_path != "-":
+        if len(reports) == 1:
+            print_report(*reports)
+        else:
+            print_side_by_side(reports)
+    return GOAL_MET if all(_meets(one, goal) for one in reports) else GOAL_MISSED

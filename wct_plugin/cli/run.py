@@ -1,0 +1,90 @@
+"""``wct run``: pipelines from JSON."""
+
+import json
+import sys
+from collections.abc import Sequence
+
+import click
+from click.shell_completion import CompletionItem
+from rich.text import Text
+
+from wct_plugin.cli.output import GOAL_MET, GOAL_MISSED, check_outputs, out, print_result, progress_bar, write_text
+from wct_plugin.errors import WctError
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.pipeline import presets
+from wct_plugin.pipeline.json_schema import schema
+from wct_plugin.pipeline.pipeline import Pipeline
+from wct_plugin.pipeline.readers_writers import Writer
+
+_READY_MADE = "\b\nReady-made pipelines:\n" + "\n".join(
+    f"  {name:<20} {presets.description(name)}" for name in presets.names()
+)
+
+
+def read_pipeline(chain: str, settings: Sequence[str]) -> Pipeline:
+    """The pipeline of a JSON file, of stdin (``-``) or of a ready-made one's name."""
+    content = sys.stdin.buffer.read() if chain == "-" else presets.read(chain)
+    try:
+        return Pipeline.from_json(content, settings)
+    except WctError as error:
+        error.args = (f"{'stdin' if chain == '-' else chain}: {error}", *error.args[1:])
+        raise
+
+
+def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Ready-made pipelines, and files."""
+    ready = [CompletionItem(name) for name in presets.names() if name.startswith(begun)]
+    return [*ready, CompletionItem(begun, type="file")]
+
+
+@click.command("run", epilog=_READY_MADE)
+@click.argument("chain", metavar="PIPELINE", required=False, shell_complete=complete_pipeline)
+@click.argument("paths", metavar="[IN [OUT...]]", nargs=-1)
+@click.option(
+    "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
+)
+@click.option("--validate", is_flag=True, help="Check the pipeline and end; inputs are read, no filter runs")
+@click.option(
+    "--metadata", "metadata_path", metavar="FILE", help="Write options, metrics, seconds as JSON (- for stdout)"
+)
+@click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of pipelines and end")
+def run_pipeline(
+    chain: str | None,
+    paths: Sequence[str],
+    settings: Sequence[str],
+    validate: bool,
+    metadata_path: str | None,
+    print_schema: bool,
+) -> int:
+    """Run PIPELINE: a JSON file, - for stdin, or the name of a ready-made one.
+
+    IN is read before its first stage, each OUT written behind its last one: a mesh, or the report where the name ends
+    in .html or .json. A pipeline with files of its own needs neither.
+
+    Exit code 0: every tet meets the goal of the last filter that has one, or none has. 1: not every one, all is
+    written. 2: an error or an interrupt, which says what was written before it, if anything.
+    """
+    if print_schema:
+        write_text("-", json.dumps(schema(), indent=2))
+        return GOAL_MET
+    if chain is None:
+        raise click.UsageError("Missing argument 'PIPELINE'.")
+    pipeline = read_pipeline(chain, settings)
+    if paths:
+        pipeline = pipeline.between(paths[0], paths[1:])
+    if validate:
+        pipeline.check([TetMesh, SurfaceMesh], read=True)
+        out.print(Text("valid: " + " | ".join(step.stage.type() for step in pipeline.steps)))
+        return GOAL_MET
+    if pipeline.is_open:
+        raise click.UsageError(f"{chain} reads no file of its own; give one: wct run {chain} IN [OUT...]")
+    if not metadata_path and not any(isinstance(step.stage, Writer) for step in pipeline.steps):
+        raise click.UsageError(f"nothing would be written; give an output: wct run {chain} IN OUT, or --metadata FILE")
+    check_outputs(metadata_path)
+    with progress_bar() as progress:
+        result = pipeline.execute(progress)
+    if metadata_path:
+        write_text(metadata_path, json.dumps(result.metadata(), indent=2))
+    if metadata_path != "-":
+        print_result(result)
+    return GOAL_MET if result.goal_met else GOAL_MISSED

@@ -1,0 +1,1 @@
+"""Meshes from nothing: bundled ones, lattice tilings, voxels."""

@@ -1,0 +1,1 @@
+"""Exact signs of polynomials of coordinates; knows no mesh."""

@@ -1,0 +1,164 @@
+"""The accessor ``.wct`` of pyvista's datasets, a front end like the command line; pyvista >= 0.48 finds it by itself.
+
+It is registered under the entry-point group ``pyvista.accessors``: pyvista imports this module when somebody first
+asks a dataset for ``.wct``, so nobody has to import anything of ours.
+
+>>> import pyvista as pv  # doctest: +SKIP
+>>> grid = pv.read("part.vtu").wct.optimize(goal="cwc")  # doctest: +SKIP
+"""
+
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from wct_plugin.errors import OptionError
+from wct_plugin.integrations.pyvista_meshes import from_pyvista, to_pyvista
+from wct_plugin.measure import quality
+from wct_plugin.mesh import TetMesh
+from wct_plugin.pipeline.pipeline import mesher_within_tolerance
+from wct_plugin.pipeline.stage import FilterStage, find_filter
+from wct_plugin.report.report import Report, make_report
+
+_OPTIMIZER = "meshing_well_centered"
+
+
+def _optimized(stages: list[FilterStage[Any]], dataset: pv.DataSet, regions: str | None = None) -> pv.UnstructuredGrid:
+    mesh, pairs = from_pyvista(dataset), None
+    if isinstance(mesh, TetMesh) and regions == mesh.tag_name and regions not in mesh.cell_data:
+        regions = None  # the tags are the regions as it is
+    if regions is not None and isinstance(mesh, TetMesh):
+        # A region of its own for every pair of tag and number in the array, so that the interfaces of both are kept.
+        both = np.column_stack([mesh.regions, _whole(mesh, regions)])
+        pairs, index = np.unique(both, axis=0, return_inverse=True)
+        mesh = replace(mesh, regions=index.ravel())
+    for stage in stages:
+        mesh, _ = stage(mesh)
+    if regions is not None and pairs is not None and isinstance(mesh, TetMesh):
+        tags, numbers = pairs[mesh.regions].T
+        numbers = numbers.astype(mesh.cell_data[regions].dtype)
+        mesh = replace(mesh, regions=tags, cell_data={**mesh.cell_data, regions: numbers})
+    grid = to_pyvista(mesh)
+    for name, values in dataset.field_data.items():
+        if name not in grid.field_data:
+            grid.field_data[name] = values
+    return grid
+
+
+def _whole(mesh: TetMesh, regions: str) -> NDArray[np.int64]:
+    if regions not in mesh.cell_data:
+        raise OptionError(f"regions is {regions!r}; allowed are the cell arrays: {', '.join(mesh.cell_data) or 'none'}")
+    values = mesh.cell_data[regions]
+    if values.ndim != 1 or values.dtype.kind not in "iuf" or (values != np.rint(values)).any():
+        raise OptionError(f"regions is {regions!r}, {values.dtype} of shape {values.shape}; allowed are whole numbers")
+    return values.astype(np.int64)
+
+
+def _stage(name: str, options: dict[str, Any]) -> FilterStage[Any]:
+    if isinstance(options.get("reference"), pv.DataSet):
+        options = {**options, "reference": from_pyvista(options["reference"])}
+    return find_filter(name)(**options)
+
+
+@pv.register_dataset_accessor("wct", pv.UnstructuredGrid)
+class GridAccessor:
+    """``grid.wct``: makes a tetrahedral grid well-centered, says and shows how well-centered it is."""
+
+    def __init__(self, grid: pv.UnstructuredGrid) -> None:
+        self._grid = grid
+
+    def optimize(self, *, regions: str | None = None, **options: Any) -> pv.UnstructuredGrid:
+        """Give a new grid whose tets contain their circumcenters, as far as can be; this one stays as it is.
+
+        Arrays, regions and tagged triangles, lines and vertices are carried over; what cannot be is named in a warning.
+
+        Parameters
+        ----------
+        regions : str, optional
+            A cell array of region numbers, whose interfaces are kept, as those of a conventional array such as
+            ``gmsh:physical`` are in any case.
+        **options
+            Those of ``filters.meshing_well_centered``: goal, boundary, tolerance, ...; ``reference`` may be a PolyData.
+        """
+        return _optimized([_stage(_OPTIMIZER, options)], self._grid, regions)
+
+    def report(self, *, worst: int = 10) -> Report:
+        """Measure: ranges of h/R and of angles, tiers, flags, histograms and the ``worst`` tets; ``to_dict()`` it."""
+        return make_report(self._tets(), worst)
+
+    def plot_bad(
+        self, goal: Literal["3wc", "cwc"] = "cwc", *, show: bool = True, off_screen: bool | None = None, **options: Any
+    ) -> pv.Plotter:
+        """Show the tets that miss the goal in the outline of the domain, coloured by how far they miss it.
+
+        Parameters
+        ----------
+        goal : str
+            3wc: every tet contains its circumcenter; cwc: every triangle too.
+        show : bool
+            Show it now; else the plotter is given back open, to be added to.
+        off_screen : bool, optional
+            Draw without a window.
+        **options
+            For :meth:`pyvista.Plotter.show`, such as ``screenshot="bad.png"``.
+        """
+        if goal not in ("3wc", "cwc"):
+            raise OptionError(f"goal is {goal!r}; allowed are '3wc', 'cwc'")
+        mesh = self._tets()
+        measured = quality.measure(mesh)
+        margin, title = measured.min_height, "min h/R"
+        if goal == "cwc":
+            margin = np.minimum(margin, np.cos(np.radians(measured.max_face_angle)))
+            title = "h/R or cosine"
+        bad = margin <= 0
+        plotter = pv.Plotter(off_screen=off_screen)
+        skin = to_pyvista(mesh.boundary_surface())
+        plotter.add_mesh(skin, color="lightgrey", opacity=0.15)
+        creases = skin.extract_feature_edges(feature_angle=40, manifold_edges=False)
+        if creases.n_cells:
+            plotter.add_mesh(creases, color="black", line_width=1)
+        if bad.any():
+            tets = to_pyvista(TetMesh(mesh.points, mesh.tets[bad], cell_data={title: margin[bad]}))
+            plotter.add_mesh(
+                tets,
+                scalars=title,
+                cmap="inferno",
+                clim=(-1, 0),
+                lighting=False,  # shadows would change the colours
+                show_edges=True,
+                scalar_bar_args={"vertical": True, "n_labels": 3, "title_font_size": 16, "label_font_size": 14},
+            )
+        plotter.add_text(f"{bad.sum()} of {len(bad)} tets are not {goal.upper()}", font_size=10)
+        if show:
+            plotter.show(**options)
+        return plotter
+
+    def _tets(self) -> TetMesh:
+        mesh = from_pyvista(self._grid)
+        find_filter("get_quality").check_takes(type(mesh))
+        assert isinstance(mesh, TetMesh)
+        return mesh
+
+
+@pv.register_dataset_accessor("wct", pv.PolyData)
+class SurfaceAccessor:
+    """``surface.wct``: fills a closed surface with well-centered tets."""
+
+    def __init__(self, surface: pv.PolyData) -> None:
+        self._surface = surface
+
+    def optimize(self, **options: Any) -> pv.UnstructuredGrid:
+        """Fill the surface by fTetWild, then optimize against it, as ``wct optimize`` does with a surface.
+
+        For another mesher, or other options of it: ``surface.tetgen.tetrahedralize().wct.optimize(reference=surface)``.
+
+        Parameters
+        ----------
+        **options
+            Those of ``filters.meshing_well_centered``.
+        """
+        optimizer = _stage(_OPTIMIZER, options)
+        mesher = mesher_within_tolerance(find_filter("generate_tetrahedralization")(), optimizer)
+        return _optimized([mesher, optimizer], self._surface)

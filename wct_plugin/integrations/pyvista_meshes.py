@@ -1,0 +1,102 @@
+"""Pyvista's datasets as meshes and back; the accessor ``.wct`` is in :mod:`.pyvista_accessor`."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+
+from wct_plugin.errors import InputError, WctWarning
+from wct_plugin.io.formats import PYVISTA
+from wct_plugin.io.read import NAME, TAGS, from_meshio
+from wct_plugin.io.write import contents
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+#: VTK's types of cells by meshio's names, and the number of points each has.
+_TYPES = {"tetra": 10, "triangle": 5, "line": 3, "vertex": 1}
+_WIDTHS = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}
+#: Types of any number of points, which are one of these where the number fits: polygon, polyline, polyvertex.
+_ANY_NUMBER = {7: "triangle", 4: "line", 2: "vertex"}
+
+
+def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
+    """Make a mesh of a dataset: tets with the triangles, lines and vertices beside them, or a surface of triangles.
+
+    Arrays go by the conventions of VTU files: integer tags from the first of the conventional cell arrays
+    (``gmsh:physical``, ``medit:ref``, ...) that is there, ``set:NAME`` arrays as named sets.
+
+    Parameters
+    ----------
+    dataset : pyvista.UnstructuredGrid or pyvista.PolyData
+        What to take; it is left as it is.
+
+    Raises
+    ------
+    InputError
+        For other cells than tets, triangles, lines and vertices.
+    """
+    import meshio
+
+    grid = dataset if isinstance(dataset, pv.UnstructuredGrid) else dataset.cast_to_unstructured_grid()
+    what = type(dataset).__name__
+    types, starts = np.array(grid.celltypes), np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
+    for code, kind in _ANY_NUMBER.items():
+        types[(types == code) & (np.diff(starts) == _WIDTHS[kind])] = _TYPES[kind]
+    for code in np.setdiff1d(types, list(_TYPES.values())).tolist():
+        raise InputError(
+            f"{what}: has {(types == code).sum()} {pv.CellType(code).name.lower()} cells; "
+            "allowed are tetra, triangle, line and vertex (triangulate() makes these of most others)"
+        )
+    connectivity = np.asarray(grid.cell_connectivity)
+    present = [(kind, code) for kind, code in _TYPES.items() if (types == code).any()]
+    raw = meshio.Mesh(
+        np.asarray(grid.points),
+        [
+            (kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])])
+            for kind, code in present
+        ],
+        point_data={name: np.asarray(values) for name, values in grid.point_data.items()},
+        cell_data={
+            name: [np.asarray(values)[types == code] for _, code in present] for name, values in grid.cell_data.items()
+        },
+        field_data={name: np.asarray(values) for name, values in grid.field_data.items()},
+    )
+    lost: list[str] = []
+    try:
+        mesh = from_meshio(raw, PYVISTA, lost, "", _tags(grid))
+    except InputError as error:
+        raise InputError(f"{what}: {error}") from error
+    if lost:
+        warnings.warn(f"{what}: not read: {', '.join(lost)}", WctWarning, stacklevel=2)
+    return mesh
+
+
+def _tags(grid: pv.UnstructuredGrid) -> tuple[str, ...]:
+    """The name of the array of tags, if there is one."""
+    return tuple(name for name in TAGS if name in grid.cell_data and np.any(grid.cell_data[name]))[:1]
+
+
+def to_pyvista(mesh: TetMesh | SurfaceMesh) -> pv.UnstructuredGrid | pv.PolyData:
+    """Make a dataset of a mesh: a grid of tets, then tagged facets, edges and vertices; a surface becomes PolyData.
+
+    Every array spans all cells, with zero or NaN where a kind of cell lacks it. What does not go in, such as arrays of
+    words, is named in a :class:`WctWarning`.
+    """
+    content, lost = contents(mesh, PYVISTA)
+    if lost:
+        warnings.warn(f"pyvista's dataset cannot carry, so dropped: {', '.join(lost)}", WctWarning, stacklevel=2)
+    dataset: pv.UnstructuredGrid | pv.PolyData
+    if isinstance(mesh, SurfaceMesh):
+        triangles: Any = content.cells[0][1]  # its own type says "int", which no array of NumPy's is
+        dataset = pv.PolyData.from_regular_faces(content.points, triangles)
+    else:
+        rows = [np.insert(cells, 0, cells.shape[1], axis=1).ravel() for _, cells in content.cells]
+        types = [np.full(len(cells), _TYPES[kind], dtype=np.uint8) for kind, cells in content.cells]
+        dataset = pv.UnstructuredGrid(np.concatenate(rows), np.concatenate(types), content.points)
+    for name, values in content.point_data.items():
+        dataset.point_data[name] = values
+    for name, columns in content.cell_data.items():
+        dataset.cell_data[name] = np.concatenate(columns)
+    for name, pair in content.names.items():
+        dataset.field_data[NAME + name] = pair
+    return dataset

@@ -1,0 +1,107 @@
+"""The readers of meshio, kept quiet and guarded against what they loop on or do not see."""
+
+import contextlib
+import importlib
+import io
+import re
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wct_plugin.errors import InputError
+from wct_plugin.io import tetgen_face_file
+from wct_plugin.io.formats import Format
+from wct_plugin.io.meshio_fixes import mend
+
+#: What meshio only warns of although part of the file is missing then.
+_FATAL = ("not closed by", "cannot handle", "End-of-file reached", "could not parse", "markers according to NMARK")
+
+
+def load(file: Path, form: Format) -> tuple[Any, list[str]]:
+    """Meshio's mesh, and what it says it has left out. Whatever goes wrong within meshio is an InputError."""
+    with refusing(form):
+        _check_ends(file, form)
+        mend(form)
+        source: Any = _bulk_data(file) if form.name == "Nastran" else str(file)
+        # The overflow is that of STL's count of triangles, which in a text file is no count.
+        with overheard() as said, warnings.catch_warnings(), np.errstate(over="ignore"):
+            # NumPy only deprecates reading past what is no number.
+            warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
+            raw = importlib.import_module(f"meshio.{form.module}").read(source)
+        for warning in said:
+            if any(phrase in warning for phrase in _FATAL):
+                raise InputError(warning)
+        _check_count(raw, file, form)
+        if form.name == "TetGen":
+            tetgen_face_file.add_facets(raw, file)
+    return raw, said
+
+
+@contextlib.contextmanager
+def refusing(form: Format) -> Iterator[None]:
+    """Whatever goes wrong in reading a file is an :class:`InputError` of one line; the file's name is left to add."""
+    try:
+        yield
+    except (InputError, OSError) as error:
+        raise InputError(f"cannot be read as {form.name}: {_first_line(error)}") from error
+    except Exception as error:  # any at all: readers index and convert without looking
+        said = _first_line(error)
+        if type(error).__name__ != "ReadError":  # meshio's own, whose text is meant to be read
+            said = f"malformed or truncated ({type(error).__name__}: {said})"
+        raise InputError(f"cannot be read as {form.name}: {said or 'malformed or truncated'}") from error
+
+
+def _first_line(error: BaseException) -> str:
+    return " ".join(str(error).split("\n", 1)[0].split())[:200]
+
+
+@contextlib.contextmanager
+def overheard() -> Iterator[list[str]]:
+    """Keep meshio from printing; afterwards the list holds its warnings, each one line."""
+    said: list[str] = []
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        yield said
+    said += [" ".join(part.split()) for part in err.getvalue().split("Warning:")[1:]]
+
+
+def _check_ends(file: Path, form: Format) -> None:
+    """Find damage that meshio's readers do not see or on which they would loop for ever."""
+    if form.name == "TetGen":
+        for part in (file.with_suffix(".node"), file.with_suffix(".ele")):
+            with part.open() as lines:
+                if not any(line.strip() and not line.lstrip().startswith("#") for line in lines):
+                    raise InputError(f"{part.name} has no content")
+    elif form.name == "Medit" and file.suffix.lower() == ".mesh":
+        if not re.search(r"^\s*End\s*$", file.read_text(), re.MULTILINE):
+            raise InputError("does not end with 'End'; is it truncated?")
+    elif form.name == "STL":
+        data = file.read_bytes()
+        count = int.from_bytes(data[80:84], "little")
+        if len(data) != 84 + 50 * count and not data.rstrip().rpartition(b"\n")[2].lower().startswith(b"endsolid"):
+            raise InputError("is neither text that ends with 'endsolid' nor binary of the length it declares")
+
+
+def _bulk_data(file: Path) -> io.StringIO:
+    """The bulk data of a Nastran file, which alone make a file too, up to the end that meshio's reader waits for."""
+    text = file.read_text()
+    if "BEGIN BULK" not in text:
+        text = "BEGIN BULK\n" + text
+    if not re.search(r"^ENDDATA", text.partition("BEGIN BULK")[2], re.MULTILINE):
+        raise InputError("does not end with 'ENDDATA'; is it truncated?")
+    return io.StringIO(text)
+
+
+def _check_count(raw: Any, file: Path, form: Format) -> None:
+    """Meshio stops at the end of an SU2 file whatever was announced, and of the pieces of a VTU keeps the last."""
+    announced = {"SU2": rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", "VTU": rb"NumberOfCells\s*=\s*[\"']\s*(\d+)"}
+    if form.name not in announced:
+        return
+    counts = [int(count) for count in re.findall(announced[form.name], file.read_bytes())]
+    read = sum(len(block) for block in raw.cells)
+    if sum(counts) != read:
+        pieces = f" in {len(counts)} pieces; allowed is one piece" if len(counts) > 1 and form.name == "VTU" else ""
+        raise InputError(f"has {read} cells but announces {sum(counts)}{pieces}")

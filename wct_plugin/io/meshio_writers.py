@@ -1,0 +1,166 @@
+"""The writers: meshio's where they do, our own where it fails or cannot; by :mod:`meshio_write` alone."""
+
+import importlib
+import io
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.io import gmsh22, gmsh41, obj, off, ply, tetgen_face_file
+from wct_plugin.io.formats import Format
+from wct_plugin.io.gmsh_options import MshOptions
+from wct_plugin.io.meshio_readers import overheard
+from wct_plugin.io.read import NAME
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+Arrays = dict[str, NDArray[Any]]
+
+
+@dataclass
+class Content:
+    """What meshio gets: arrays of our own, so that it may change them as it likes."""
+
+    points: NDArray[np.float64]
+    cells: list[tuple[str, NDArray[np.int64]]]
+    point_data: Arrays
+    cell_data: dict[str, list[NDArray[Any]]]
+    point_sets: dict[str, NDArray[np.int64]]
+    cell_sets: dict[str, list[NDArray[np.int64]]]
+    names: dict[str, NDArray[np.int64]]
+    groups: dict[str, dict[int, NDArray[np.int64]]]  #: by kind of cell, the members of groups that share cells
+
+    def mesh(self, **extra: Any) -> Any:
+        """All of it but the names as a meshio mesh."""
+        import meshio
+
+        return meshio.Mesh(
+            self.points,
+            self.cells,
+            point_data=self.point_data,
+            cell_data=self.cell_data,
+            point_sets=self.point_sets,
+            cell_sets=self.cell_sets,
+            **extra,
+        )
+
+
+def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content, msh: MshOptions) -> list[str]:
+    """Write the file; returns what meshio complains of on the way."""
+    if isinstance(mesh, SurfaceMesh) and form.name in ("PLY", "OBJ", "OFF"):
+        match form.name:
+            case "PLY":
+                cell_data = {name: columns[0] for name, columns in content.cell_data.items()}
+                ply.write(path, mesh, cell_data, content.point_data)
+            case "OBJ":
+                obj.write(path, mesh)
+            case "OFF":
+                off.write(path, mesh)
+        return []
+    if form.name == "SU2":
+        _write_su2(path, content)
+        return []
+    if form.name == "gmsh":
+        _write_gmsh(path, content, msh)
+        return []
+    with overheard() as said, np.errstate(invalid="ignore", divide="ignore"):  # STL normals of slivers
+        match form.name:
+            case "XDMF":
+                _write_xdmf(path, content)
+            case "MED":
+                _write_med(path, content)
+            case "TetGen":
+                return _write_tetgen(path, content)
+            case _:
+                importlib.import_module(f"meshio.{form.module}").write(str(path), content.mesh())
+                if form.name == "VTU" and content.names:
+                    _add_names(path, content.names)
+    return said
+
+
+def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:
+    """Meshio's text has arrays that nothing reads, and its version 4.1 groups that neither gmsh nor meshio reads."""
+    points, cells, names = content.points, content.cells, content.names
+    point_data, cell_data, binary = content.point_data, content.cell_data, bool(msh.binary)
+    if msh.version == "4.1":
+        gmsh41.write(path, points, cells, content.groups, names, point_data, cell_data, binary=binary)
+    else:
+        gmsh22.write(path, points, cells, names, point_data, cell_data, binary=binary)
+
+
+def _write_xdmf(path: Path, content: Content) -> None:
+    """Meshio leaves its HDF5 file to the garbage collector, where a full disk goes unnoticed; so it gets none."""
+    import h5py  # type: ignore[import-untyped]
+    from meshio.xdmf.main import ET, XdmfWriter
+
+    heavy = path.with_suffix(".h5")
+    buffer = io.BytesIO()
+    writer = XdmfWriter.__new__(XdmfWriter)
+    writer.filename, writer.h5_filename, writer.data_format = path, heavy, "HDF"
+    writer.data_counter, writer.compression, writer.compression_opts = 0, "gzip", 4
+    root = ET.Element("Xdmf", Version="3.0")
+    grid = ET.SubElement(ET.SubElement(root, "Domain"), "Grid", Name="Grid")
+    mesh = content.mesh()
+    with h5py.File(buffer, "w") as writer.h5_file:
+        writer.write_points(grid, mesh.points)
+        writer.write_cells(mesh.cells, grid)
+        writer.write_point_data(mesh.point_data, grid)
+        writer.write_cell_data(mesh.cell_data, grid)
+    heavy.write_bytes(buffer.getvalue())
+    path.write_bytes(ET.tostring(root))
+
+
+def _write_med(path: Path, content: Content) -> None:
+    """By way of memory, for the same reason."""
+    from meshio import med
+
+    buffer = io.BytesIO()
+    med.write(buffer, content.mesh())
+    path.write_bytes(buffer.getvalue())
+
+
+def _write_tetgen(path: Path, content: Content) -> list[str]:
+    from meshio import tetgen
+
+    cells = dict(content.cells)
+    tags = dict(zip(cells, content.cell_data["tetgen:ref"], strict=True))
+    tets = replace(content, cells=content.cells[:1], cell_data={"tetgen:ref": [tags["tetra"]]})
+    tetgen.write(str(path), tets.mesh())
+    no_facets = np.empty((0, 3), dtype=np.int64), np.empty(0, dtype=np.int64)
+    return tetgen_face_file.write_facets(path, cells.get("triangle", no_facets[0]), tags.get("triangle", no_facets[1]))
+
+
+def _write_su2(path: Path, content: Content) -> None:
+    """Meshio 5.3.5 fails on any boundary cell here."""
+    cells = dict(content.cells)
+    tags = dict(zip(cells, content.cell_data["su2:tag"], strict=True))
+    with path.open("w") as file:
+        file.write(f"NDIME= 3\nNPOIN= {len(content.points)}\n")
+        file.writelines(f"{x!r} {y!r} {z!r}\n" for x, y, z in content.points.tolist())
+        file.write(f"NELEM= {len(cells['tetra'])}\n")
+        file.writelines("10 " + " ".join(map(str, tet)) + "\n" for tet in cells["tetra"].tolist())
+        markers = np.unique(tags.get("triangle", [])).tolist()
+        file.write(f"NMARK= {len(markers)}\n")
+        for marker in markers:
+            faces = cells["triangle"][tags["triangle"] == marker]
+            file.write(f"MARKER_TAG= {marker}\nMARKER_ELEMS= {len(faces)}\n")
+            file.writelines("5 " + " ".join(map(str, face)) + "\n" for face in faces.tolist())
+
+
+def _add_names(path: Path, names: dict[str, NDArray[np.int64]]) -> None:
+    """Physical names as field data, where meshio reads them and ParaView shows them; meshio writes none."""
+    arrays = "".join(
+        f'<DataArray type="Int64" Name="{attribute(NAME + name)}" NumberOfTuples="2" format="ascii">'
+        f"{tag} {dimension}</DataArray>\n"
+        for name, (tag, dimension) in names.items()
+    )
+    head, grid, rest = path.read_bytes().partition(b"<UnstructuredGrid>\n")
+    path.write_bytes(head + grid + f"<FieldData>\n{arrays}</FieldData>\n".encode() + rest)
+
+
+def attribute(name: str) -> str:
+    """The name as it has to stand in XML."""
+    return quoteattr(name, {'"': "&quot;"})[1:-1].encode("ascii", "xmlcharrefreplace").decode()

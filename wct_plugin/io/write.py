@@ -1,0 +1,297 @@
+"""A :class:`TetMesh` or :class:`SurfaceMesh` becomes a file; what its format cannot carry is named in one warning."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import OutputError, WctWarning
+from wct_plugin.io import formats, gmsh_version
+from wct_plugin.io.atomic_files import replacing
+from wct_plugin.io.formats import PYVISTA, Format
+from wct_plugin.io.gmsh_options import MshOptions
+from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
+from wct_plugin.io.read import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+#: The array that holds the tags, for formats that have one for this.
+_TAG = {
+    "gmsh": "gmsh:physical", "MED": "cell_tags", "Medit": "medit:ref", "Nastran": "nastran:ref", "SU2": "su2:tag",
+    "TetGen": "tetgen:ref",
+}  # fmt: skip
+_CALLED = {"tetra": "tets", "triangle": "tagged facets", "line": "tagged edges", "vertex": "tagged vertices"}
+
+
+def write(
+    path: str | Path,
+    mesh: TetMesh | SurfaceMesh,
+    *,
+    version: str | None = None,
+    binary: bool | None = None,
+    groups: str | None = None,
+) -> None:
+    """Write a mesh in the format of the path's suffix, whole or not at all; the mesh is left as it is.
+
+    Formats with one array for all cells get zeros (integers) or NaN where a kind of cell lacks an array. Named sets
+    become arrays ``set:NAME`` where a format has arrays but no sets.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    mesh : TetMesh or SurfaceMesh
+        What to write.
+    version : {"2.2", "4.1"}, optional
+        Of a gmsh file. Without it 2.2, which most programs read, or 4.1 where cells are in several physical groups,
+        which 2.2 does not have.
+    binary : bool, optional
+        Whether a gmsh file is binary. Without it it is text, which most programs read.
+    groups : {"all", "first"}, optional
+        What becomes of cells in several physical groups in a gmsh file: "all" keeps them there, "first" keeps the first
+        group of each. Without it all.
+
+    Warns
+    -----
+    WctWarning
+        Once, naming everything the format cannot carry; once if cells in several groups make a gmsh file one of
+        version 4.1, or lose groups.
+
+    Raises
+    ------
+    OptionError
+        If an option has a value that is not allowed, or is given for another format than gmsh's.
+    OutputError
+        If the suffix is unknown, the format cannot carry such a mesh, or the file cannot be written; and if ``version``
+        is "2.2" and cells are in several groups, unless ``groups`` is "first".
+    """
+    file = Path(path)
+    form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
+    msh = MshOptions(version, binary, groups)
+    msh.check(path, form)
+    content, lost = contents(mesh, form)
+    told: list[str] = []
+    if form.name == "gmsh":
+        msh, told = _settled(path, content, msh)
+    with replacing(file) as temporary:
+        try:
+            lost += save(temporary, form, mesh, content, msh)
+        except (OSError, MemoryError, OutputError):
+            raise
+        except Exception as error:  # any at all: meshio's writers convert without looking
+            reason = " ".join(str(error).split("\n", 1)[0].split())[:200]
+            raise OutputError(f"{path}: cannot be written as {form.name}: {type(error).__name__}: {reason}") from error
+    if lost:
+        warnings.warn(f"{path}: {form.name} cannot carry, so dropped: {', '.join(lost)}", WctWarning, stacklevel=2)
+    for line in told:
+        warnings.warn(f"{path}: {line}", WctWarning, stacklevel=2)
+
+
+def check_groups(path: str | Path, mesh: TetMesh, msh: MshOptions) -> None:
+    """Raise the error that :func:`write` would raise for the groups of the mesh; for use before long work."""
+    form = formats.to_write(Path(path), volume=True)
+    if form.name == "gmsh" and msh.version == "2.2":
+        _settled(path, contents(mesh, form)[0], msh)
+
+
+def _settled(path: str | Path, content: Content, msh: MshOptions) -> tuple[MshOptions, list[str]]:
+    try:
+        return gmsh_version.settle(content, msh)
+    except OutputError as error:
+        raise OutputError(f"{path}: {error}") from None
+
+
+@dataclass
+class _Block:
+    """One kind of cell as it will be written."""
+
+    kind: str
+    cells: NDArray[np.int64]
+    tags: NDArray[np.int64]
+    data: Arrays
+    sets: dict[str, NDArray[np.int64]]
+
+
+def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[str]]:
+    """What of the mesh the format can carry, as meshio wants it, and the names of all else."""
+    lost: list[str] = []
+    blocks = [block for block in _blocks(mesh) if _fits(block, form, lost)]
+    points = np.array(mesh.points)
+    if form.name == "Nastran":
+        points = _rounded(points)
+        if (points != mesh.points).any():
+            lost.append("digits of coordinates beyond what 16 characters hold")
+    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {})
+    _put_point_data(content, mesh, form, lost)
+    _put_cell_data(content, blocks, form, lost)
+    _put_tags(content, blocks, mesh, form, lost)
+    point_sets = mesh.point_sets if isinstance(mesh, TetMesh) else {}
+    if form.name == "gmsh" and isinstance(mesh, TetMesh):
+        content.groups = {block.kind: _take_groups(block, mesh.names) for block in blocks}
+    _put_sets(content, blocks, point_sets, form, lost)
+    names = mesh.names if isinstance(mesh, TetMesh) else {}
+    for name, pair in names.items():
+        if form.names and not set('"\n\\') & set(name):
+            content.names[name] = np.array(pair, dtype=np.int64)
+        else:
+            lost.append(f"name {name!r}")
+    return content, lost
+
+
+def _rounded(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coordinates as Nastran's fields of 16 characters hold them; meshio fails on longer ones."""
+
+    def fitting(value: float) -> float:
+        texts = (np.format_float_scientific(value, exp_digits=1, precision=digits) for digits in range(11, 0, -1))
+        return float(next(text for text in texts if len(text) <= 16))
+
+    return np.array([fitting(value) for value in points.ravel().tolist()]).reshape(points.shape)
+
+
+def _blocks(mesh: TetMesh | SurfaceMesh) -> list[_Block]:
+    if isinstance(mesh, SurfaceMesh):
+        return [_Block("triangle", mesh.triangles, mesh.tags, dict(mesh.cell_data), {})]
+    blocks = [_Block("tetra", mesh.tets, mesh.regions, dict(mesh.cell_data), dict(mesh.tet_sets))]
+    for kind, cells in (("triangle", mesh.facets), ("line", mesh.edges), ("vertex", mesh.nodes)):
+        if len(cells):
+            blocks.append(_Block(kind, cells.vertices, cells.tags, dict(cells.data), dict(cells.sets)))
+    return blocks
+
+
+def _fits(block: _Block, form: Format, lost: list[str]) -> bool:
+    if block.kind in form.cells:
+        return True
+    lost.append(f"{len(block.cells)} {_CALLED[block.kind]}")
+    return False
+
+
+def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
+    own = {"Medit": "medit:ref", "Nastran": "nastran:ref", "TetGen": "tetgen:ref"}.get(form.name)
+    for name, values in mesh.point_data.items():
+        if name == own and values.dtype.kind in "iu" and values.ndim == 1:
+            content.point_data[name] = np.array(values)
+            continue
+        array = _array(name, values, form) if form.point_data else None
+        if array is None:
+            lost.append(f"point data {name!r}")
+        else:
+            content.point_data[_spelled(name, form)] = array
+    if form.name == "Medit" and not content.point_data:  # meshio would give every point a 1
+        content.point_data["medit:ref"] = np.zeros(len(mesh.points), dtype=np.int64)
+
+
+def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
+    """One array for all blocks, as meshio wants it; zeros or NaN where a block has none."""
+    for name in dict.fromkeys(name for block in blocks for name in block.data):
+        owners = [block.data[name] for block in blocks if name in block.data]
+        arrays = [_array(name, values, form) for values in owners] if form.cell_data else [None]
+        if any(array is None for array in arrays) or len({values.shape[1:] for values in owners}) > 1:
+            lost.append(f"cell data {name!r}")
+            continue
+        dtype = np.result_type(*[array for array in arrays if array is not None])
+        tail = next(array for array in arrays if array is not None).shape[1:]
+        columns = []
+        for block in blocks:
+            fill = np.nan if dtype.kind == "f" else 0
+            column = np.full((len(block.cells), *tail), fill, dtype=dtype)
+            if name in block.data:
+                column[...] = _array(name, block.data[name], form)
+            columns.append(column)
+        content.cell_data[_spelled(name, form)] = columns
+
+
+def _put_tags(
+    content: Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
+) -> None:
+    # Under another name than a conventional one they would not be read as tags again.
+    meant = mesh.tag_name if isinstance(mesh, TetMesh) and mesh.tag_name in TAGS else "gmsh:physical"
+    tags = [block.tags if block.kind in form.tagged or form.sets else np.zeros_like(block.tags) for block in blocks]
+    for block, kept in zip(blocks, tags, strict=True):
+        if (block.tags != kept).any():
+            lost.append("regions" if block.kind == "tetra" else f"tags of {_CALLED[block.kind]}")
+    key = _spelled(_TAG.get(form.name, meant), form)
+    for name in dict.fromkeys((key, ENTITIES) if form.name == "gmsh" else (key,)):
+        if content.cell_data.pop(name, None) is not None:
+            lost.append(f"cell data {name!r}, whose name is that of the tags")
+    if form.name == "gmsh":
+        groups = meant != ENTITIES
+        content.cell_data[key] = [column if groups else np.zeros_like(column) for column in tags]
+        content.cell_data[ENTITIES] = [gmsh_entities(block.tags) for block in blocks]
+    elif form.tagged and (form.name in _TAG or any(column.any() for column in tags)):
+        content.cell_data[key] = [np.array(column) for column in tags]
+
+
+def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
+    """Sets where the format has them, else arrays of 0 and 1; Abaqus has no tags, so these become sets there."""
+    if form.sets:
+        for block in blocks:
+            for tag in np.unique(block.tags[block.tags != 0]).tolist():
+                block.sets[f"{TAG_SET}{block.kind}_{tag}"] = np.flatnonzero(block.tags == tag)
+    for which, block in enumerate(blocks):
+        for name, members in block.sets.items():
+            if form.sets and _fit_for_abaqus(name) and name not in content.cell_sets:
+                content.cell_sets[name] = [members if k == which else members[:0] for k in range(len(blocks))]
+            elif form.cell_data and (array := _array(SET + name, np.zeros(0, "u1"), form)) is not None:
+                key = _spelled(SET + name, form)
+                columns = content.cell_data.setdefault(key, [np.zeros(len(b.cells), array.dtype) for b in blocks])
+                columns[which][members] = 1
+            else:
+                lost.append(f"set {name!r} of {_CALLED[block.kind].removeprefix('tagged ')}")
+    for name, members in points.items():
+        if form.sets and _fit_for_abaqus(name):
+            content.point_sets[name] = members
+        elif form.point_data and (array := _array(SET + name, np.zeros(len(content.points), "u1"), form)) is not None:
+            array[members] = 1
+            content.point_data[_spelled(SET + name, form)] = array
+        else:
+            lost.append(f"set {name!r} of points")
+
+
+def _take_groups(block: _Block, names: Mapping[str, tuple[int, int]]) -> dict[int, NDArray[np.int64]]:
+    """Take out the sets that are physical groups, by name and dimension, of cells that have other tags."""
+    groups = {}
+    for name in [name for name in block.sets if names.get(name, (0, -1))[1] == block.cells.shape[1] - 1]:
+        tag, _ = names[name]
+        if tag and np.isin(np.flatnonzero(block.tags == tag), block.sets[name]).all():
+            groups[tag] = block.sets.pop(name)
+    return groups
+
+
+def _fit_for_abaqus(name: str) -> bool:
+    return bool(name) and not set(name) & set(',=*\n"') and name == name.strip()
+
+
+def _array(name: str, values: NDArray[Any], form: Format) -> NDArray[Any] | None:
+    """A copy in a type and shape the format has; None where it has none, or where the name would break the file."""
+    if values.dtype.kind not in "biuf" or values.ndim > 2 or (values.ndim == 2 and not values.shape[1]):
+        return None
+    width = values.shape[1] if values.ndim == 2 else 1
+    array = np.array(values, dtype="u1" if values.dtype.kind == "b" and form is not PYVISTA else None)
+    if array.dtype.itemsize not in (1, 2, 4, 8) or array.dtype == np.float16:
+        array = array.astype(np.float64)
+    match form.name:
+        case "VTK":  # of the integer types meshio writes, VTK itself knows only the 8-byte ones
+            if array.dtype.kind in "iu" and array.dtype != np.uint64:
+                array = array.astype(np.int64)
+            return None if width == 2 else array
+        case "gmsh":
+            return array.astype(np.float64) if width in (1, 3, 9) and not set('"\n') & set(name) else None
+        case "MED":
+            return array.astype(np.float64) if "/" not in name else None
+        case "PLY":
+            taken = name in ("x", "y", "z", "vertex_indices", "vertex_index") or name.split() != [name]
+            return array if values.ndim == 1 and not taken else None
+    return array
+
+
+def _spelled(name: str, form: Format) -> str:
+    """The name as it has to stand in the file."""
+    if form.name == "VTU":  # meshio's XML writer escapes nothing
+        return attribute(name)
+    if form.name == "VTK":  # VTK's own spelling of blanks
+        return quote(name, safe="!#$&'()*+,/:;<=>?@[\\]^`{|}~")
+    return name

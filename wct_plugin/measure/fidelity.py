@@ -1,0 +1,92 @@
+"""How well a resampled mesh keeps the domain of the old one: its boundary, its interfaces, its regions' volumes."""
+
+from collections.abc import Mapping
+from typing import TypedDict
+
+import numpy as np
+
+from wct_plugin.measure import quality
+from wct_plugin.measure.deviation import measure_deviation
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+
+class Volumes(TypedDict):
+    """A region before and after; ``change`` is a fraction of before."""
+
+    before: float
+    after: float
+    change: float
+
+
+class Fidelity(TypedDict):
+    """Deviations as :meth:`wct_plugin.measure.deviation.Deviation.to_dict` gives them, by fractions of one diagonal."""
+
+    deviation: dict[str, float]  #: of the boundary from the reference
+    interfaces: dict[str, dict[str, float] | None]  #: "1|2" -> of that interface from the old one; None: it is lost
+    volumes: dict[str, Volumes]  #: by region tag
+
+
+def measure_fidelity(old: TetMesh, new: TetMesh, surface: SurfaceMesh | None) -> Fidelity:
+    """Measure ``new`` against ``old``, its boundary against ``surface`` if there is one; all distances two-sided."""
+    target = surface or old.boundary_surface()
+    diagonal = target.diagonal
+    before, after = _interfaces(old), _interfaces(new)
+    return {
+        "deviation": measure_deviation(new.boundary_surface(), target, compiled=True).to_dict(diagonal),
+        "interfaces": {
+            name: measure_deviation(after[name], one, compiled=True).to_dict(diagonal) if name in after else None
+            for name, one in before.items()
+        },
+        "volumes": _volumes(old, new),
+    }
+
+
+def beyond(found: Fidelity, allowed: float) -> list[str]:
+    """What is farther off than ``allowed``, a fraction of the diagonal, as phrases."""
+    parts = []
+    if found["deviation"]["fraction_of_diagonal"] > allowed:
+        parts.append(
+            f"the boundary is {found['deviation']['fraction_of_diagonal']:.2e} of the diagonal from the reference"
+        )
+    for name, apart in found["interfaces"].items():
+        if apart is None:
+            parts.append(f"the interface {name} is lost")
+        elif apart["fraction_of_diagonal"] > allowed:
+            parts.append(
+                f"the interface {name} is {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
+            )
+    return parts
+
+
+def describe(volumes: Mapping[str, Volumes], interfaces: Mapping[str, dict[str, float] | None]) -> str:
+    """One line about several regions for the report, empty for one region."""
+    if len(volumes) == 1:
+        return ""
+    parts = [f"region {tag}: volume {100 * one['change']:+.3f} %" for tag, one in volumes.items()]
+    parts += [
+        f"interface {name}: {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
+        if apart
+        else f"interface {name}: lost"
+        for name, apart in interfaces.items()
+    ]
+    return "; ".join(parts)
+
+
+def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
+    """The interface of each two regions that touch."""
+    pairs = np.sort(mesh.regions[mesh.topology.interface_pairs[:, ::2]], axis=1)
+    out = {}
+    for low, high in np.unique(pairs, axis=0):
+        triangles = mesh.topology.interfaces[(pairs == (low, high)).all(axis=1)]
+        used, place = np.unique(triangles, return_inverse=True)
+        out[f"{low}|{high}"] = SurfaceMesh(mesh.points[used], place.reshape(-1, 3))
+    return out
+
+
+def _volumes(old: TetMesh, new: TetMesh) -> dict[str, Volumes]:
+    of_old, of_new = (quality.volumes(mesh.points, mesh.tets) for mesh in (old, new))
+    out: dict[str, Volumes] = {}
+    for tag in np.unique(old.regions):
+        before, after = float(of_old[old.regions == tag].sum()), float(of_new[new.regions == tag].sum())
+        out[str(tag)] = {"before": before, "after": after, "change": after / before - 1.0}
+    return out

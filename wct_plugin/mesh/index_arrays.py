@@ -1,0 +1,32 @@
+"""Arrays of indices: what hangs together, which rows are equal."""
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from wct_plugin.types import Ints
+
+
+def components(rows: Ints, columns: Ints, count: int) -> Ints:
+    """(count,) a number per node, from 0, equal where links ``rows[k]`` - ``columns[k]`` join two nodes."""
+    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.int64) if count else np.empty(0, dtype=np.int64)
+
+
+def find_rows(rows: Ints, wanted: Ints, count: int) -> Ints:
+    """For each of the ``wanted`` rows the index of the first equal one of ``rows`` (entries below ``count``), or -1."""
+    both = np.concatenate([rows, wanted])
+    key = both[:, 0] if both.shape[1] else np.zeros(len(both), dtype=np.int64)
+    for column in both.T[1:]:
+        key = np.unique(key, return_inverse=True)[1] * count + column
+    table, needles = key[: len(rows)], key[len(rows) :]
+    order = np.argsort(table, kind="stable")
+    at = np.minimum(np.searchsorted(table, needles, sorter=order), max(len(rows) - 1, 0))
+    if not len(rows):
+        return np.full(len(wanted), -1, dtype=np.int64)
+    return np.where(table[order[at]] == needles, order[at], -1)
+
+
+def distinct_rows(rows: Ints) -> Ints:
+    """(k,) a number per row, equal where rows are equal."""
+    return np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)

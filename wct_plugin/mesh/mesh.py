@@ -1,0 +1,343 @@
+"""The two things that flow through the house: :class:`TetMesh` and :class:`SurfaceMesh`, frozen and validated.
+
+Arrays are float64 / int64, native byte order, C-contiguous and read-only; a mesh is changed through
+:func:`dataclasses.replace`, which validates again. Topology is derived when first asked for (``topology.py``).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wct_plugin.errors import NoMeshError
+from wct_plugin.exact import predicates
+from wct_plugin.mesh.topology import Topology
+from wct_plugin.types import Floats, Ints
+
+_CHUNK = 1 << 17  # tets looked at together, so that checks take little memory beside the mesh
+#: Odd factors that make one number, modulo 2 ** 64, of a tet's ascending vertices; of the splitmix64 generator.
+_MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 1], dtype=np.uint64)
+
+_KIND = {1: "vertex", 2: "edge", 3: "triangle", 4: "tet"}
+
+
+@dataclass(frozen=True)
+class Repairs:
+    """What construction mended in the given arrays, so that nothing is changed silently."""
+
+    flipped: int = 0  #: tets whose orientation was reversed (they came with negative volume)
+    orphan_points: int = 0  #: points no tet uses, dropped
+    stray_cells: int = 0  #: tagged facets, edges and vertices on dropped points, dropped with them
+
+    def __bool__(self) -> bool:
+        return bool(self.flipped or self.orphan_points or self.stray_cells)
+
+    def __str__(self) -> str:
+        counts = {
+            "negatively oriented tets turned round": self.flipped,
+            "points without a tet dropped": self.orphan_points,
+            "tagged cells without a tet dropped": self.stray_cells,
+        }
+        return ", ".join(f"{count} {what}" for what, count in counts.items() if count) or "nothing"
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Facets (d = 3), edges (d = 2) or vertices (d = 1) the user tagged: boundary conditions, interfaces, probes.
+
+    ``vertices`` (k, d) point indices; ``tags`` (k,), 0 where the file gave none; ``data`` arrays of length k;
+    ``sets`` named index arrays into the k cells.
+    """
+
+    vertices: Ints
+    tags: Ints = None  # type: ignore[assignment]  # filled in __post_init__
+    data: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    sets: Mapping[str, Ints] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        vertices = _indices(self.vertices, "cells")
+        if vertices.ndim != 2 or vertices.shape[1] not in (1, 2, 3):
+            raise NoMeshError(f"tagged cells have shape {vertices.shape}; allowed is (k, 1), (k, 2) or (k, 3)")
+        kind = _KIND[vertices.shape[1]]
+        _store(self, "vertices", vertices)
+        _store(self, "tags", _tags(self.tags, len(vertices), kind))
+        _store_mapping(self, "data", _data(self.data, len(vertices), kind))
+        _store_mapping(self, "sets", _sets(self.sets, len(vertices), kind))
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+    def select(self, keep: NDArray[Any], vertices: Ints | None = None) -> "Cells":
+        """The cells where the mask ``keep`` (k,) holds, their points renumbered to ``vertices`` if given."""
+        place = np.cumsum(keep) - 1
+        return Cells(
+            (self.vertices if vertices is None else vertices)[keep],
+            self.tags[keep],
+            {name: values[keep] for name, values in self.data.items()},
+            {name: place[members[keep[members]]] for name, members in self.sets.items()},
+        )
+
+
+def _no_cells(width: int) -> Cells:
+    return Cells(np.empty((0, width), dtype=np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMesh:
+    """A triangle surface: what a mesher fills, and what an output boundary is measured against.
+
+    ``points`` (n, 3), ``triangles`` (k, 3), ``tags`` (k,), data by name, ``source`` the file it came from.
+    Raises :class:`InputError` for NaN or infinite coordinates, indices out of range and an empty triangle list.
+    """
+
+    points: Floats
+    triangles: Ints
+    tags: Ints = None  # type: ignore[assignment]
+    point_data: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    cell_data: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        points = _points(self.points)
+        triangles = _indices(self.triangles, "triangles")
+        if triangles.ndim != 2 or triangles.shape[1] != 3:
+            raise NoMeshError(f"triangles have shape {triangles.shape}; allowed is (k, 3)")
+        if not len(triangles):
+            raise NoMeshError("the surface has no triangles; at least one is needed")
+        _check_range(triangles, len(points))
+        _store(self, "points", points)
+        _store(self, "triangles", triangles)
+        _store(self, "tags", _tags(self.tags, len(triangles), "triangle"))
+        _store_mapping(self, "point_data", _data(self.point_data, len(points), "point"))
+        _store_mapping(self, "cell_data", _data(self.cell_data, len(triangles), "triangle"))
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal, in the mesh's own unit."""
+        return float(np.linalg.norm(np.ptp(self.points[np.unique(self.triangles)], axis=0)))
+
+
+@dataclass(frozen=True, eq=False)
+class TetMesh:
+    """A tetrahedral mesh with everything that hangs on it.
+
+    ``points`` (n, 3) and ``tets`` (m, 4), positively oriented: ``det(x1-x0, x2-x0, x3-x0) > 0``, exactly.
+    ``regions`` (m,) a tag per tet; ``facets``, ``edges``, ``nodes`` the tagged cells that came with the tets;
+    ``point_data`` / ``cell_data`` arrays per point / per tet; ``point_sets`` / ``tet_sets`` named index arrays;
+    ``names`` physical names as in gmsh: name -> (tag, dimension); ``tag_name`` the array the tags came from;
+    ``reference`` the surface the boundary should stay near, where the pipeline knows it; ``source`` the file.
+
+    Construction turns negative tets round and drops points no tet uses (data and tags follow); :attr:`repairs` counts
+    both. Raises :class:`InputError` for NaN, indices out of range, duplicate tets and tets of zero volume.
+    """
+
+    points: Floats
+    tets: Ints
+    regions: Ints = None  # type: ignore[assignment]
+    facets: Cells = field(default_factory=lambda: _no_cells(3))
+    edges: Cells = field(default_factory=lambda: _no_cells(2))
+    nodes: Cells = field(default_factory=lambda: _no_cells(1))
+    point_data: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    cell_data: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    point_sets: Mapping[str, Ints] = field(default_factory=dict)
+    tet_sets: Mapping[str, Ints] = field(default_factory=dict)
+    names: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    tag_name: str = "gmsh:physical"
+    reference: SurfaceMesh | None = None
+    source: str = ""
+    repairs: Repairs = Repairs()
+
+    def __post_init__(self) -> None:
+        points = _points(self.points)
+        tets = _indices(self.tets, "tets")
+        if tets.ndim != 2 or tets.shape[1] != 4:
+            raise NoMeshError(f"tets have shape {tets.shape}; allowed is (m, 4)")
+        if not len(tets):
+            raise NoMeshError("the mesh has no tetrahedra; at least one is needed")
+        _check_range(tets, len(points))
+        for cells, width in ((self.facets, 3), (self.edges, 2), (self.nodes, 1)):
+            if cells.vertices.shape[1] != width:
+                raise NoMeshError(
+                    f"{_KIND[width]} cells have {cells.vertices.shape[1]} points each; allowed is {width}"
+                )
+            _check_range(cells.vertices, len(points))
+        _check_distinct(tets)
+        tets, flipped = _orient(points, tets)
+
+        used = np.zeros(len(points), dtype=bool)
+        used[tets] = True
+        _store_mapping(self, "point_data", _data(self.point_data, len(points), "point"))
+        _store_mapping(self, "point_sets", _sets(self.point_sets, len(points), "point"))
+        orphans = int(len(points) - used.sum())
+        stray = 0
+        if orphans:
+            stray = self._drop_orphans(used)
+            place = np.cumsum(used) - 1
+            points, tets = points[used], place[tets]
+        _store(self, "points", points)
+        _store(self, "tets", tets)
+        _store(self, "regions", _tags(self.regions, len(tets), "tet"))
+        _store_mapping(self, "cell_data", _data(self.cell_data, len(tets), "tet"))
+        _store_mapping(self, "tet_sets", _sets(self.tet_sets, len(tets), "tet"))
+        _store_mapping(self, "names", dict(self.names))
+        before = self.repairs
+        _set(
+            self,
+            "repairs",
+            Repairs(before.flipped + flipped, before.orphan_points + orphans, before.stray_cells + stray),
+        )
+
+    def _drop_orphans(self, used: NDArray[np.bool_]) -> int:
+        """Renumber everything that names points; returns how many tagged cells went with the orphans."""
+        place = np.cumsum(used) - 1
+        stray = 0
+        for name in ("facets", "edges", "nodes"):
+            cells: Cells = getattr(self, name)
+            keep = np.all(used[cells.vertices], axis=1)
+            stray += int((~keep).sum())
+            _set(self, name, cells.select(keep, place[cells.vertices]))
+        _store_mapping(self, "point_data", {name: values[used] for name, values in self.point_data.items()})
+        _store_mapping(self, "point_sets", {name: place[ids[used[ids]]] for name, ids in self.point_sets.items()})
+        return stray
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Boundary, interfaces, adjacency, edges and components, each derived when first asked for."""
+        return Topology(self.tets, self.regions, len(self.points))
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal, in the mesh's own unit."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def boundary_surface(self) -> SurfaceMesh:
+        """The boundary as an outward-oriented surface on its own points."""
+        triangles = self.topology.boundary
+        used, inverse = np.unique(triangles, return_inverse=True)
+        return SurfaceMesh(self.points[used], inverse.reshape(-1, 3), source=self.source)
+
+
+def _set(owner: object, name: str, value: object) -> None:
+    object.__setattr__(owner, name, value)
+
+
+def _store(owner: object, name: str, values: NDArray[Any]) -> None:
+    view = values.view()
+    view.setflags(write=False)
+    _set(owner, name, view)
+
+
+def _store_mapping(owner: object, name: str, values: Mapping[str, Any]) -> None:
+    _set(owner, name, MappingProxyType(dict(values)))
+
+
+def _points(values: ArrayLike) -> Floats:
+    points = np.array(values, dtype=np.float64, order="C")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise NoMeshError(f"points have shape {points.shape}; allowed is (n, 3)")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise NoMeshError(f"point {bad[0]} is {show_row(points[bad[0]])}{and_more(bad)}; coordinates must be finite")
+    return points
+
+
+def _indices(values: ArrayLike, what: str) -> Ints:
+    given = np.asarray(values)
+    if given.dtype.kind not in "iu" and given.size:
+        raise NoMeshError(f"{what} have dtype {given.dtype}; allowed are integers")
+    return np.array(given, dtype=np.int64, order="C")
+
+
+def _check_range(cells: Ints, count: int) -> None:
+    if not cells.size or (cells.min() >= 0 and cells.max() < count):
+        return
+    bad = np.flatnonzero(((cells < 0) | (cells >= count)).any(axis=1))
+    if len(bad):
+        kind = _KIND[cells.shape[1]]
+        raise NoMeshError(
+            f"{kind} {bad[0]} is {show_row(cells[bad[0]])}{and_more(bad)}; indices must lie in 0..{count - 1}"
+        )
+
+
+def _check_distinct(tets: Ints) -> None:
+    """No vertex twice in a tet and no tet twice; afterwards every tet is a set of four points of its own."""
+    keys = np.empty(len(tets), dtype=np.uint64)
+    bad = []
+    for start in range(0, len(tets), _CHUNK):
+        ordered = np.sort(tets[start : start + _CHUNK], axis=1)
+        bad.append(start + np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1)))
+        keys[start : start + _CHUNK] = ordered.astype(np.uint64) @ _MIX
+    repeated = np.concatenate([*bad, np.empty(0, dtype=np.int64)])
+    if len(repeated):
+        raise NoMeshError(
+            f"tet {repeated[0]} is {show_row(tets[repeated[0]])}{and_more(repeated)}; its four vertices must differ"
+        )
+    ascending = np.sort(keys)
+    alike = np.flatnonzero(np.isin(keys, ascending[1:][ascending[1:] == ascending[:-1]]))
+    ordered = np.sort(tets[alike], axis=1)  # equal tets have equal keys, and few others have
+    order = np.lexsort(ordered.T[::-1])
+    sequel = ordered[order]
+    twins = np.flatnonzero((sequel[1:] == sequel[:-1]).all(axis=1))
+    if len(twins):
+        first, second = sorted((int(alike[order[twins[0]]]), int(alike[order[twins[0] + 1]])))
+        raise NoMeshError(
+            f"tet {second} repeats tet {first}, vertices {show_row(tets[first])}{and_more(twins)}; each may occur once"
+        )
+
+
+def _orient(points: Floats, tets: Ints) -> tuple[Ints, int]:
+    """Turn negative tets round; the sign is exact, so that afterwards every volume is truly positive."""
+    turned, signs = predicates.turned(points, tets)
+    flat = np.flatnonzero(signs == 0)
+    if len(flat):
+        raise NoMeshError(
+            f"tet {flat[0]}, vertices {show_row(tets[flat[0]])}, has zero volume{and_more(flat)}; it must not"
+        )
+    return turned, int((signs < 0).sum())
+
+
+def _tags(values: ArrayLike | None, count: int, kind: str) -> Ints:
+    if values is None:
+        return np.zeros(count, dtype=np.int64)
+    tags = _indices(values, f"{kind} tags")
+    if tags.shape != (count,):
+        raise NoMeshError(f"{kind} tags have shape {tags.shape}; allowed is ({count},)")
+    return tags
+
+
+def _data(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, NDArray[Any]]:
+    out = {}
+    for name, given in values.items():
+        array = np.array(given)
+        if not array.dtype.isnative:
+            array = array.astype(array.dtype.newbyteorder("="))
+        if array.ndim == 0 or len(array) != count:
+            raise NoMeshError(f"{kind} data {name!r} has shape {array.shape}; its length must be {count}")
+        array.setflags(write=False)
+        out[str(name)] = array
+    return out
+
+
+def _sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, Ints]:
+    out = {}
+    for name, given in values.items():
+        members = _indices(given, f"members of {kind} set {name!r}")
+        if members.ndim != 1 or (len(members) and not (members.min() >= 0 and members.max() < count)):
+            raise NoMeshError(f"{kind} set {name!r} must be a list of indices in 0..{count - 1}")
+        members.setflags(write=False)
+        out[str(name)] = members
+    return out
+
+
+def show_row(values: NDArray[Any]) -> str:
+    """A point, or the vertices of a cell, as messages show them."""
+    return "(" + ", ".join(f"{value:g}" if values.dtype.kind == "f" else str(value) for value in values) + ")"
+
+
+def and_more(found: NDArray[Any]) -> str:
+    """What a message that names the first of ``found`` says of the others."""
+    return f" (and {len(found) - 1} more)" if len(found) > 1 else ""

@@ -1,0 +1,162 @@
+"""Who touches whom in a tet mesh: boundary, interfaces, adjacency, edges, components. NumPy, derived lazily."""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from wct_plugin.errors import NoMeshError
+from wct_plugin.types import Ints
+
+#: Facet i lies opposite vertex i; its vertices run counter-clockwise seen from outside a positive tet.
+FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+#: The six edges of a tet.
+EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
+#: (12,) row of :data:`EDGES` for the edge of facet i opposite its corner ``FACETS[i, k]``, at 3 i + k.
+OPPOSITE_EDGES = np.array(
+    [EDGES.tolist().index(sorted(facet[facet != corner].tolist())) for facet in FACETS for corner in facet]
+)
+
+
+class Topology:
+    """Derived connectivity of ``tets`` (m, 4) on ``count`` points with a region tag per tet (m,)."""
+
+    def __init__(self, tets: Ints, regions: Ints, count: int) -> None:
+        self._tets = tets
+        self._regions = regions
+        self._count = count
+
+    @cached_property
+    def _paired(self) -> tuple[Ints, Ints]:
+        """Half-facets (tet * 4 + facet) that face each other, and those that face nothing.
+
+        Returns ``pairs`` (p, 2), the first the smaller, and ``single`` (b,), ascending.
+        Raises :class:`InputError` where three or more tets share a facet.
+        """
+        triples = np.sort(self._tets[:, FACETS].reshape(-1, 3), axis=1)
+        order = _argsort_rows(triples, self._count)
+        triples = triples[order]
+        same = (triples[1:] == triples[:-1]).all(axis=1)
+        crowd = np.flatnonzero(same[1:] & same[:-1])
+        if len(crowd):
+            tets = sorted(int(half) // 4 for half in order[crowd[0] : crowd[0] + 3])
+            raise NoMeshError(
+                f"facet {tuple(int(v) for v in triples[crowd[0]])} belongs to tets {tets[0]}, {tets[1]} and {tets[2]}; "
+                "at most two may share one"
+            )
+        first = np.flatnonzero(same)
+        alone = np.ones(len(order), dtype=bool)
+        alone[first] = alone[first + 1] = False
+        pairs = np.sort(np.stack([order[first], order[first + 1]], axis=1), axis=1)
+        return pairs[np.argsort(pairs[:, 0])], np.sort(order[alone])
+
+    @cached_property
+    def adjacency(self) -> Ints:
+        """(m, 4) the tet across facet i (opposite vertex i), -1 on the boundary."""
+        pairs, _ = self._paired
+        out = np.full(4 * len(self._tets), -1, dtype=np.int64)
+        out[pairs[:, 0]] = pairs[:, 1] // 4
+        out[pairs[:, 1]] = pairs[:, 0] // 4
+        return out.reshape(-1, 4)
+
+    @cached_property
+    def interior_pairs(self) -> Ints:
+        """(p, 4) per interior facet: tet, its local facet, the tet across, its local facet."""
+        pairs, _ = self._paired
+        return np.column_stack([pairs[:, 0] // 4, pairs[:, 0] % 4, pairs[:, 1] // 4, pairs[:, 1] % 4])
+
+    @cached_property
+    def boundary_half_facets(self) -> Ints:
+        """(b, 2) per boundary facet: its tet and local facet."""
+        _, single = self._paired
+        return np.column_stack([single // 4, single % 4])
+
+    @cached_property
+    def boundary(self) -> Ints:
+        """(b, 3) boundary triangles, oriented outward."""
+        return self.triangles_of(self.boundary_half_facets)
+
+    @cached_property
+    def interface_pairs(self) -> Ints:
+        """(k, 4) rows of :attr:`interior_pairs` whose two tets have different region tags."""
+        pairs = self.interior_pairs
+        across: Ints = pairs[self._regions[pairs[:, 0]] != self._regions[pairs[:, 2]]]
+        return across
+
+    @cached_property
+    def interfaces(self) -> Ints:
+        """(k, 3) triangles between two regions, oriented out of the first tet of :attr:`interface_pairs`."""
+        return self.triangles_of(self.interface_pairs[:, :2])
+
+    def triangles_of(self, half_facets: Ints) -> Ints:
+        """(k, 3) the triangles of rows of tet and local facet, oriented out of the tet."""
+        triangles: Ints = self._tets[half_facets[:, :1], FACETS[half_facets[:, 1]]]
+        return triangles
+
+    @cached_property
+    def boundary_points(self) -> NDArray[np.bool_]:
+        """(n,) mask of the points on the boundary."""
+        out = np.zeros(self._count, dtype=bool)
+        out[self.boundary] = True
+        return out
+
+    @cached_property
+    def facets(self) -> Ints:
+        """(f, 3) every facet once: those of :attr:`interior_pairs`, out of their first tet, then :attr:`boundary`."""
+        return np.concatenate([self.triangles_of(self.interior_pairs[:, :2]), self.boundary])
+
+    @cached_property
+    def tet_facets(self) -> Ints:
+        """(m, 4) the row of :attr:`facets` for the facet opposite each vertex."""
+        pairs, single = self._paired
+        out = np.empty(4 * len(self._tets), dtype=np.int64)
+        out[pairs] = np.arange(len(pairs))[:, None]
+        out[single] = len(pairs) + np.arange(len(single))
+        return out.reshape(-1, 4)
+
+    @cached_property
+    def _edges(self) -> tuple[Ints, Ints, Ints]:
+        one, other = self._tets[:, EDGES[:, 0]], self._tets[:, EDGES[:, 1]]
+        keys = np.minimum(one, other) * self._count + np.maximum(one, other)
+        keys, place, valence = np.unique(keys, return_inverse=True, return_counts=True)
+        return np.column_stack([keys // self._count, keys % self._count]), valence, place.reshape(-1, len(EDGES))
+
+    @cached_property
+    def edges(self) -> Ints:
+        """(e, 2) every edge once, ends ascending, rows in lexicographic order."""
+        return self._edges[0]
+
+    @property
+    def edge_valence(self) -> Ints:
+        """(e,) how many tets meet at each row of :attr:`edges`."""
+        return self._edges[1]
+
+    @property
+    def tet_edges(self) -> Ints:
+        """(m, 6) the row of :attr:`edges` for each of a tet's edges, columns as :data:`EDGES`."""
+        return self._edges[2]
+
+    @cached_property
+    def facet_edges(self) -> Ints:
+        """(f, 3) the row of :attr:`edges` opposite each corner of a row of :attr:`facets`."""
+        half = np.concatenate([self.interior_pairs[:, :2], self.boundary_half_facets])
+        edges: Ints = self.tet_edges[half[:, :1], OPPOSITE_EDGES.reshape(4, 3)[half[:, 1]]]
+        return edges
+
+    @cached_property
+    def components(self) -> Ints:
+        """(m,) a label per tet, equal where a path through facets joins two tets; labels count from 0."""
+        pairs = self.interior_pairs
+        count = len(self._tets)
+        graph = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 2])), shape=(count, count))
+        labels: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
+        return labels
+
+
+def _argsort_rows(triples: Ints, count: int) -> Ints:
+    """A stable order of rows of three ascending indices below ``count``."""
+    if count < 1 << 21:  # the three fit one int64, which sorts several times faster than three keys
+        return np.argsort((triples[:, 0] << 42) | (triples[:, 1] << 21) | triples[:, 2], kind="stable")
+    return np.lexsort(triples.T[::-1])

@@ -1,0 +1,194 @@
+"""The local search, from a start that is given or resampled, and from others where it is stuck."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wct_plugin.core import _core
+from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.triangle_surfaces import pinched
+from wct_plugin.meshing.phase_progress import Listener
+from wct_plugin.meshing.reference import Reference
+from wct_plugin.meshing.released_creases import without
+from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
+from wct_plugin.meshing.search_mesh import SearchMesh, on_from
+from wct_plugin.meshing.stitching import stitched
+from wct_plugin.obstructions import fixed_facets
+from wct_plugin.types import Floats, Ints
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin.core._core import SearchedArrays
+
+
+#: Sweeps and tries at effort 1.
+_PASSES = 12
+_KICKS = 4000
+#: How often a start is made anew with shorter edges where the search was stuck.
+_FINER = 5
+#: In how many ways, with wider and wider places, a part of a mesh is made anew before all of it is.
+_RENEWALS = 3
+#: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
+#: its vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where
+#: another start, with shorter edges, takes less: most that come right have come so by then.
+_WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 5_000.0}
+
+
+@dataclass(frozen=True, eq=False)
+class LocalSearch:
+    """What is asked of the search of a mesh, whatever it starts from."""
+
+    mesh: TetMesh
+    boundary: str  #: move, keep or fixed
+    acute: bool  #: every triangle is to contain its circumcenter too
+    margin: float
+    effort: int
+    seed: int
+    listen: Listener
+
+    @property
+    def worth(self) -> float:
+        """Evaluations per tet, after which kicks may be given up."""
+        return _WORTH[self.boundary] * self.effort
+
+    def run(self, start: SearchMesh, on: Reference, tolerance: float, worth: float = np.inf) -> "SearchedArrays":
+        """Search within ``tolerance``, a length, of the surface."""
+        fixed = self.boundary == "fixed"
+        return _core.search_well_centered(
+            **start,
+            ruled_out=fixed_facets.ruled_out(self.mesh, on.strata, acute=self.acute) if fixed else None,
+            loose=on.strata.soft_curves if self.boundary == "move" else None,
+            worth=worth,
+            surface_points=on.points,
+            surface_triangles=on.strata.triangles,
+            surface_patch=on.strata.patch,
+            surface_segments=on.strata.segments,
+            surface_curve=on.strata.curve,
+            tolerance=tolerance,
+            acute=self.acute,
+            margin=self.margin,
+            flip_surface=not fixed,
+            split_surface=not fixed,
+            passes=_PASSES,
+            kicks=_KICKS * self.effort,
+            seed=self.seed,
+            progress=self.listen.search,
+        )
+
+    def resampled(
+        self,
+        on: Reference,
+        tolerance: float,
+        size: Floats | None,
+        finer: ShorterEdges | None = None,
+        renewal: PartialRestart | None = None,
+        attempt: int = 0,
+    ) -> SearchMesh | None:
+        """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain.
+
+        None too where it is stopped: what is made until then is no start.
+        """
+        if self.listen.stopped:
+            return None
+        found = _core.resample(
+            on.points,
+            on.strata.triangles,
+            on.strata.patch,
+            on.strata.segments,
+            on.strata.curve,
+            on.corners,
+            on.sides,
+            self.mesh.points,
+            self.mesh.tets,
+            np.searchsorted(on.regions, self.mesh.regions),
+            tolerance,
+            size=size,
+            folds=on.folds,
+            finer_at=finer and finer.at,
+            finer_size=finer and finer.size,
+            kept_points=renewal and renewal.points,
+            kept_stratum=renewal and renewal.stratum,
+            kept_label=renewal and renewal.label,
+            anew_at=renewal and renewal.at,
+            anew_radius=renewal and renewal.radius,
+            cosines=self.acute,
+            seed=self.seed + 1 + attempt,
+            progress=self.listen.resample,
+        )
+        if self.listen.stopped:
+            return None
+        stratum = found["stratum"]
+        pinned = (stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)
+        start: SearchMesh = {
+            "points": found["points"],
+            "tets": found["tets"],
+            "regions": found["region"],
+            "stratum": stratum,
+            "label": np.where(pinned, -1, found["label"]),
+            "size": found["size"],
+            "facets": found["facets"],
+            "facet_patch": found["facet_patch"],
+            "creases": found["creases"],
+            "crease_curve": found["crease_curve"],
+        }
+        if renewal is not None:
+            return stitched(start, found["lost"], renewal.old)
+        touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
+        if not found["intact"] or (stratum[touching] < 3).any():
+            return None
+        if len(touching):
+            own_pinches = pinched(on.strata.triangles, len(on.points))
+            if not own_pinches[found["label"][touching]].all():
+                return None
+        return start
+
+    def run_finer(
+        self, start: SearchMesh, on: Reference, tolerance: float, size: Floats | None
+    ) -> "list[SearchedArrays]":
+        """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
+
+        Where that is in few places, the rest of it stays, and creases that it gave up stay so.
+        """
+        tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
+        gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
+        while True:
+            found = self.run(start, self._without(on, gone), tolerance, worth)
+            found["released"] = np.union1d(gone, found["released"])
+            tried.append(found)
+            if found["bad"] == 0 or self.listen.stopped or worth == np.inf:
+                return tried
+            fewest = best(tried)
+            finer = finer.about(fewest["points"][fewest["tets"][fewest["stuck"]]])
+            again = None
+            if len(tried) <= _FINER:
+                gone = fewest["released"]
+                again = self._renewed(self._without(on, gone), tolerance, size, finer, tried)
+                if again is None:
+                    gone = gone[:0]
+                    again = self.resampled(on, tolerance, size, finer, attempt=len(tried))
+            if self.listen.stopped:
+                return tried
+            if again is None:  # nothing else is left to try than more of the same
+                worth, again, gone = np.inf, on_from(fewest), fewest["released"]
+            start = again
+
+    def _renewed(
+        self, on: Reference, tolerance: float, size: Floats | None, finer: ShorterEdges, tried: "list[SearchedArrays]"
+    ) -> SearchMesh | None:
+        """The best that was found, made anew round its stuck tets."""
+        fewest = best(tried)
+        vain = len(tried) - 1 - [one["bad"] for one in tried].index(fewest["bad"])
+        for wider in range(_RENEWALS):
+            renewal = PartialRestart.of(fewest, vain + wider)
+            start = renewal and self.resampled(on, tolerance, size, finer, renewal, len(tried))
+            if start is not None:
+                return start
+        return None
+
+    def _without(self, on: Reference, creases: Ints) -> Reference:
+        return without(on, creases, self.mesh.nodes.vertices.ravel())
+
+
+def best(tried: "list[SearchedArrays]") -> "SearchedArrays":
+    """Of equals the last: from there others are tried."""
+    return min(reversed(tried), key=lambda one: one["bad"])

@@ -1,0 +1,78 @@
+"""Where and how the next start of a search differs: shorter edges round stuck tets, or only a part made anew."""
+
+from typing import TYPE_CHECKING, NamedTuple, Self
+
+import numpy as np
+
+from wct_plugin.types import Floats, Ints
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin.core._core import SearchedArrays
+
+
+#: Edges there, as a share of those of the tets that are stuck.
+_SHARE = 0.8
+
+
+def middles(corners: Floats) -> tuple[Floats, Floats]:
+    """Centroids (n, 3) and mean edge lengths (n,) of tets, whose ``corners`` are (n, 4, 3)."""
+    edges = corners[:, [0, 0, 0, 1, 1, 2]] - corners[:, [1, 2, 3, 2, 3, 3]]
+    return corners.mean(axis=1), np.linalg.norm(edges, axis=2).mean(axis=1)
+
+
+class ShorterEdges(NamedTuple):
+    """Edges are no longer than ``size`` (k,) round the places ``at`` (k, 3)."""
+
+    at: Floats
+    size: Floats
+
+    @classmethod
+    def nowhere(cls) -> Self:
+        """No place."""
+        return cls(np.empty((0, 3)), np.empty(0))
+
+    def about(self, corners: Floats) -> "ShorterEdges":
+        """These places and the middles of tets, whose ``corners`` (n, 4, 3) are too far apart to come right."""
+        at, edge = middles(corners)
+        return ShorterEdges(np.vstack([self.at, at]), np.concatenate([self.size, _SHARE * edge]))
+
+
+#: Radius within which points are new, in edges of the tet that is stuck: more would undo what came right round it. It
+#: grows each time in vain.
+_RADIUS = 1.4
+_GROWTH = 1.4
+#: Share of stuck tets up to which the rest is worth keeping.
+_FEW = 0.002
+
+
+class PartialRestart(NamedTuple):
+    """Points (k, 3) with stratum and label (k,) stay, but for those within ``radius`` (z,) of ``at`` (z, 3)."""
+
+    points: Floats
+    stratum: Ints
+    label: Ints
+    at: Floats
+    radius: Floats
+    old: "SearchedArrays"  #: where they are from
+
+    @classmethod
+    def of(cls, found: "SearchedArrays", vain: int) -> Self | None:
+        """A search's result, to be made anew where it is stuck; None where too much of it is.
+
+        ``vain``: how often that has brought nothing.
+        """
+        tets, stuck = found["tets"], found["stuck"]
+        if len(stuck) > _FEW * len(tets):
+            return None
+        region = np.empty(len(found["points"]), dtype=np.int64)
+        region[tets.ravel()] = np.repeat(found["regions"], 4)
+        keep = (found["stratum"] < 3) | (found["label"] >= 0)  # but for corners that do not move anyway
+        at, edge = middles(found["points"][tets[stuck]])
+        return cls(
+            found["points"][keep],
+            found["stratum"][keep].astype(np.int64),
+            np.where(found["stratum"] > 0, found["label"], region)[keep],
+            at,
+            _RADIUS * _GROWTH**vain * edge,
+            found,
+        )

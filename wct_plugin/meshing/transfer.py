@@ -1,0 +1,167 @@
+"""Carrying what hangs on a mesh over to a resampled one: tags, sets, data, names."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from wct_plugin.errors import WctWarning
+from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.mesh.strata import Strata
+from wct_plugin.meshing.reference import Reference
+from wct_plugin.types import Floats, Ints
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin.core._core import ConformedArrays, SearchedArrays
+    from wct_plugin.meshing.search_mesh import SearchMesh
+
+
+@dataclass(frozen=True, eq=False)
+class Resampled:
+    """A new mesh of an old domain, in the old one's strata: patch ids and curve ids are those of :class:`Strata`."""
+
+    points: Floats  #: (n, 3)
+    tets: Ints  #: (m, 4)
+    regions: Ints  #: (m,) region tags
+    facets: Ints  #: (k, 3) surface facets
+    facet_patch: Ints  #: (k,)
+    creases: Ints  #: (c, 2) crease edges
+    crease_curve: Ints  #: (c,)
+
+
+def resampled(found: "SearchedArrays | ConformedArrays | SearchMesh", on: Reference) -> Resampled:
+    """What the core made of the domain of a reference, in the strata of the mesh that came in."""
+    return Resampled(
+        found["points"],
+        found["tets"],
+        on.regions[found["regions"]],
+        found["facets"],
+        on.carried[found["facet_patch"]],
+        found["creases"],
+        found["crease_curve"],
+    )
+
+
+def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
+    """Give the new mesh the old one's tagged facets and edges, named sets, names and data.
+
+    A tagged patch or curve of the surface keeps its tags and sets; tagged vertices go to the new point in their place.
+    Point data are interpolated linearly in the old tets; cell data and tet sets are those of the old tet at the new
+    one's centroid. What cannot be carried is named in a :class:`WctWarning`.
+    """
+    lost = []
+    facets = _cells_by_label(old.facets, strata.triangles, strata.patch, new.facets, new.facet_patch)
+    edges = _cells_by_label(old.edges, strata.segments, strata.curve, new.creases, new.crease_curve)
+    for kind, cells in (("triangle", old.facets), ("edge", old.edges), ("vertex", old.nodes)):
+        lost += [f"{kind} data {name!r}" for name in cells.data]
+    lost += [f"point set {name!r}" for name in old.point_sets]
+    nodes = _nodes(old, new)
+    point_data: Mapping[str, NDArray[Any]] = {}
+    cell_data: Mapping[str, NDArray[Any]] = {}
+    tet_sets: dict[str, Ints] = {}
+    if old.point_data:
+        tet, weights = locate(old, new.points)
+        point_data = {
+            name: np.einsum("ij,ij...->i...", weights, values[old.tets[tet]])
+            for name, values in old.point_data.items()
+            if values.dtype.kind == "f"
+        }
+        lost += [f"point data {name!r}" for name in old.point_data if name not in point_data]
+    if old.cell_data or old.tet_sets:
+        tet, _ = locate(old, new.points[new.tets].mean(axis=1))
+        cell_data = {name: values[tet] for name, values in old.cell_data.items()}
+        for name, members in old.tet_sets.items():
+            inside = np.zeros(len(old.tets), dtype=bool)
+            inside[members] = True
+            tet_sets[name] = np.flatnonzero(inside[tet])
+    if lost:
+        warnings.warn(f"resampling drops {', '.join(lost)}", WctWarning, stacklevel=2)
+    return TetMesh(
+        new.points,
+        new.tets,
+        new.regions,
+        facets,
+        edges,
+        nodes,
+        point_data,
+        cell_data,
+        {},
+        tet_sets,
+        old.names,
+        old.tag_name,
+        old.reference,
+        old.source,
+        old.repairs,
+    )
+
+
+def locate(mesh: TetMesh, queries: Floats) -> tuple[Ints, Floats]:
+    """The tet (q,) that holds each query point (q, 3), and the point's barycentric coordinates (q, 4) in it.
+
+    A point outside the mesh gets the tet it is least outside of among those around, its coordinates cut to 0..1.
+    """
+    corners = mesh.points[mesh.tets]
+    inverse = np.linalg.inv((corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1))
+    tree = cKDTree(corners.mean(axis=1))
+    found = np.zeros(len(queries), dtype=np.int64)
+    best = np.full(len(queries), -np.inf)
+    weights = np.zeros((len(queries), 4))
+    pending, width = np.arange(len(queries)), 8
+    while len(pending) and width <= 128:
+        near = tree.query(queries[pending], k=min(width, len(mesh.tets)))[1].reshape(len(pending), -1)
+        local = np.einsum("qkij,qkj->qki", inverse[near], queries[pending][:, None] - corners[near, 0])
+        every = np.concatenate([1.0 - local.sum(axis=2, keepdims=True), local], axis=2)
+        least = every.min(axis=2)
+        which = least.argmax(axis=1)
+        rows = np.arange(len(pending))
+        better = least[rows, which] > best[pending]
+        chosen = pending[better]
+        found[chosen] = near[rows, which][better]
+        best[chosen] = least[rows, which][better]
+        weights[chosen] = every[rows, which][better]
+        pending = pending[best[pending] < -1e-9]
+        width *= 4
+    weights = np.clip(weights, 0.0, 1.0)
+    return found, weights / weights.sum(axis=1, keepdims=True)
+
+
+def _cells_by_label(tagged: Cells, cells: Ints, label: Ints, new_cells: Ints, new_label: Ints) -> Cells:
+    """Tag the new cells of every label that the old tagged cells cover."""
+    if not len(tagged):
+        return tagged
+    width = cells.shape[1]
+    key = {tuple(row): int(at) for row, at in zip(np.sort(cells, axis=1).tolist(), label.tolist(), strict=True)}
+    old_label = np.array([key.get(tuple(row), -1) for row in np.sort(tagged.vertices, axis=1).tolist()])
+    rows: list[Ints] = []
+    tags: list[Ints] = []
+    names = {name: set(old_label[members].tolist()) - {-1} for name, members in tagged.sets.items()}
+    sets: dict[str, list[Ints]] = {name: [] for name in names}
+    count = 0
+    for tag in np.unique(tagged.tags):
+        for one in np.unique(old_label[tagged.tags == tag]):
+            if one < 0:
+                continue
+            members = new_cells[new_label == one]
+            rows.append(members)
+            tags.append(np.full(len(members), tag, dtype=np.int64))
+            for name, labels in names.items():
+                if one in labels:
+                    sets[name].append(np.arange(count, count + len(members)))
+            count += len(members)
+    return Cells(
+        np.concatenate([np.empty((0, width), dtype=np.int64), *rows]),
+        np.concatenate([np.empty(0, dtype=np.int64), *tags]),
+        {},
+        {name: np.concatenate([np.empty(0, dtype=np.int64), *parts]) for name, parts in sets.items()},
+    )
+
+
+def _nodes(old: TetMesh, new: Resampled) -> Cells:
+    if not len(old.nodes):
+        return old.nodes
+    place = cKDTree(new.points).query(old.points[old.nodes.vertices[:, 0]])[1]
+    return Cells(place.reshape(-1, 1).astype(np.int64), old.nodes.tags, {}, old.nodes.sets)

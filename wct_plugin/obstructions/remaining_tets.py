@@ -1,0 +1,219 @@
+"""The tets that miss the goal: where each sits, what it misses, and which option would free it."""
+
+from collections import Counter
+from typing import TypedDict
+
+import numpy as np
+
+from wct_plugin.measure.goals import DUAL, Dual, misses
+from wct_plugin.measure.quality import Quality
+from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.strata import Strata
+from wct_plugin.mesh.triangle_surfaces import bends
+from wct_plugin.obstructions import RECONNECT, Boundary, Connectivity, Goal, Reason, find_reasons
+from wct_plugin.obstructions.reason import name
+
+#: Class of a tet, by the highest stratum among its vertices.
+CLASSES = ("interior", "patch", "crease", "corner")
+#: What tets miss where the goal is one of the whole mesh.
+_TIER = {"delaunay": "Delaunay", "one-sided": "one-sided"}
+#: A patch that bends by less than this at a vertex, in degrees, is flat there.
+_FLAT = 0.1
+#: A crease is slight if it bends by at most this much more than the angle that makes it one, in degrees.
+_SLIGHT = 10.0
+#: How many reasons of each kind are named.
+_NAMED = 5
+
+
+class RemainingTet(TypedDict):
+    """One tet that misses the goal."""
+
+    tet: int
+    place: str  #: one of :data:`CLASSES`
+    misses: str  #: "3WC", "2WC" or "3WC, 2WC"; "Delaunay" or "one-sided" where that is the goal
+    min_height: float  #: smallest h/R
+    max_face_angle: float  #: in degrees
+    centroid: list[float]
+    option: str  #: what would free it
+    proof: str  #: why it, or one of a few that include it, never meets the goal under the options given; "" where open
+
+
+class ReasonKind(TypedDict):
+    """All reasons of one kind why the goal is out of reach."""
+
+    why: str
+    option: str  #: what would take them away
+    count: int
+    cells: list[list[list[int]]]  #: of the first few: the vertices, edges, facets and tets to blame, by their vertices
+
+
+class Remaining(TypedDict):
+    """All tets that miss the goal, worst first, their number by class, and why the goal is out of reach."""
+
+    count: int
+    by_place: dict[str, int]
+    proven: int  #: those with a proof that the options given rule the goal out
+    reasons: list[ReasonKind]
+    tets: list[RemainingTet]
+
+
+def list_remaining(
+    mesh: TetMesh,
+    of: Strata,
+    measured: Quality,
+    *,
+    goal: Goal | Dual,
+    boundary: Boundary,
+    crease_angle: float,
+    stopped: bool,
+    connectivity: Connectivity = "free",
+) -> Remaining:
+    """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine."""
+    acute, dual = goal == "cwc", goal in DUAL
+    bad = np.flatnonzero(misses(mesh, measured, goal))
+    clearance = measured.min_height[bad]
+    if acute:
+        clearance = np.minimum(clearance, np.cos(np.radians(measured.max_face_angle[bad])))
+    bad = bad[np.argsort(np.nan_to_num(clearance, nan=-np.inf), kind="stable")]
+    place = of.stratum[mesh.tets[bad]].max(axis=1, initial=0)
+    why = []
+    if len(bad) and goal != "delaunay" and goal != "one-sided":
+        why = find_reasons(mesh, of, bad, goal=goal, boundary=boundary, connectivity=connectivity)
+    proofs: dict[int, Reason] = {}
+    for reason in why:
+        for tet in reason.tets:
+            proofs.setdefault(tet, reason)
+    advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
+    tets: list[RemainingTet] = []
+    for tet, stratum in zip(bad.tolist(), place.tolist(), strict=True):
+        holds_3, holds_2 = bool(measured.well_centered_3[tet]), bool(measured.well_centered_2[tet])
+        missed = [name for name, held in (("3WC", holds_3), ("2WC", holds_2)) if not held]
+        proof = proofs.get(tet)
+        option = proof.frees if proof else "more time: it was stopped" if stopped else advice.option(tet, stratum)
+        tets.append(
+            {
+                "tet": tet,
+                "place": CLASSES[stratum],
+                "misses": _TIER[goal] if dual else ", ".join(missed),
+                "min_height": float(measured.min_height[tet]),
+                "max_face_angle": float(measured.max_face_angle[tet]),
+                "centroid": mesh.points[mesh.tets[tet]].mean(axis=0).tolist(),
+                "option": option + (", or goal=3wc" if holds_3 and not dual else ""),
+                "proof": str(proof) if proof else "",
+            }
+        )
+    counts = Counter(tet["place"] for tet in tets)
+    return {
+        "count": len(tets),
+        "by_place": {name: counts[name] for name in CLASSES},
+        "proven": sum(bool(tet["proof"]) for tet in tets),
+        "reasons": _kinds_of_reasons(why),
+        "tets": tets,
+    }
+
+
+def _kinds_of_reasons(found: list[Reason]) -> list[ReasonKind]:
+    kinds: dict[str, ReasonKind] = {}
+    for one in found:
+        kind = kinds.setdefault(one.why, {"why": one.why, "option": one.frees, "count": 0, "cells": []})
+        kind["count"] += 1
+        if len(kind["cells"]) < _NAMED:
+            kind["cells"].append([list(cell) for cell in one.cells])
+    return list(kinds.values())
+
+
+class _Advice:
+    """Which option takes away what holds a tet, from its class and the shape of the surface at its vertices."""
+
+    def __init__(
+        self,
+        mesh: TetMesh,
+        of: Strata,
+        boundary: Boundary,
+        crease_angle: float,
+        connectivity: Connectivity,
+        *,
+        dual: bool,
+    ) -> None:
+        self._mesh, self._of, self._boundary, self._crease_angle = mesh, of, boundary, crease_angle
+        self._connectivity, self._dual = connectivity, dual
+        edges, bend, smooth = bends(mesh.points, of.triangles, of.patch)
+        count = len(mesh.points)
+        self._patch_bend = np.zeros(count)
+        np.maximum.at(self._patch_bend, edges[smooth].ravel(), np.repeat(bend[smooth], 2))
+        # Creases that their angle does not make (tags, regions, more than two sheets) no angle takes away.
+        of_edge = dict(zip((edges @ [count, 1]).tolist(), bend.tolist(), strict=True))
+        bend_of = np.array([of_edge.get(key, np.inf) for key in (of.segments @ [count, 1]).tolist()])
+        bend_of[bend_of <= crease_angle] = np.inf
+        self._crease_bend = np.zeros(count)
+        np.maximum.at(self._crease_bend, of.segments.ravel(), np.repeat(bend_of, 2))
+
+    def option(self, tet: int, stratum: int) -> str:
+        if self._connectivity == "fixed":
+            slide = "boundary=slide, or " if stratum and self._boundary == "fixed" else ""
+            return slide + RECONNECT
+        if stratum == 0:
+            return "a larger effort"
+        if self._dual:  # the surface's vertices stay in any case, so keep and move are the same
+            return "boundary=keep or move" if self._boundary == "fixed" else "a larger tolerance, or a larger effort"
+        if self._boundary != "move":
+            return "boundary=move" if self._boundary == "keep" else "boundary=keep or move"
+        vertices = self._mesh.tets[tet]
+        on_crease = vertices[self._of.stratum[vertices] >= 2]
+        if len(on_crease):
+            bend = float(self._crease_bend[on_crease].max())
+            if self._crease_angle < bend <= self._crease_angle + _SLIGHT:
+                return f"a crease_angle above {bend:.1f}°: the crease bends no more"
+        curved = bool((self._patch_bend[vertices] > _FLAT).any())
+        if stratum == 1 and not curved:
+            return "a larger effort"
+        return "a larger tolerance, or a smaller edge_length" if curved else "a smaller edge_length"
+
+
+def title(found: Remaining) -> str:
+    """What is left in one line."""
+    places = ", ".join(f"{count} {place}" for place, count in found["by_place"].items() if count)
+    proven = f"; for {found['proven']} it is provably out of reach under the options given" if found["proven"] else ""
+    return f"{found['count']} tets miss the goal: {places}{proven}"
+
+
+def lines(found: Remaining) -> list[str]:
+    """Why the goal is out of reach, one line per kind of reason: how often, where first, and what would help."""
+    return [
+        f"provably impossible under these options, {kind['count']} times: {kind['why']}"
+        f" (first at {', '.join(map(name, kind['cells'][0]))}); {kind['option']} would free it"
+        for kind in found["reasons"]
+    ]
+
+
+HEAD = ("tet", "class", "misses", "min h/R", "max face angle", "centroid", "what would free it")
+
+
+def rows(found: Remaining, most: int) -> list[tuple[str, ...]]:
+    """Up to ``most`` tets, worst first, in the columns of :data:`HEAD`."""
+    return [
+        (
+            str(tet["tet"]),
+            tet["place"],
+            tet["misses"],
+            f"{tet['min_height']:.3f}",
+            f"{tet['max_face_angle']:.2f}°",
+            "(" + ", ".join(f"{x:.4g}" for x in tet["centroid"]) + ")",
+            "; ".join(filter(None, (tet["option"], tet["proof"]))),
+        )
+        for tet in found["tets"][:most]
+    ]
+
+
+#: Columns of :func:`kinds`.
+KINDS = ("class", "tets", "misses", "what would free them", "provably bad")
+
+
+def kinds(found: Remaining) -> list[tuple[str, ...]]:
+    """How many tets there are of each class that miss the same and that the same option would free, most first."""
+    counts = Counter((tet["place"], tet["misses"], tet["option"]) for tet in found["tets"])
+    proven = Counter((tet["place"], tet["misses"], tet["option"]) for tet in found["tets"] if tet["proof"])
+    return [
+        (place, str(count), misses, option, str(proven[place, misses, option]))
+        for (place, misses, option), count in counts.most_common()
+    ]

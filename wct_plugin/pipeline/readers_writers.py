@@ -1,0 +1,277 @@
+"""The ends of a pipeline: stages that read a mesh, and stages that write a mesh or its report."""
+
+import json
+import os
+from abc import abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field, field_validator
+
+from wct_plugin import io
+from wct_plugin.errors import InputError, OutputError
+from wct_plugin.io import atomic_files, formats
+from wct_plugin.io.gmsh_options import MshOptions, number_as_text
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.pipeline.flow import Flow, side_by_side
+from wct_plugin.pipeline.provenance import environment, options_of, plain
+from wct_plugin.pipeline.stage import Kind, Mesh, O_co, Options, Stage, check_kind
+from wct_plugin.report import html_report
+
+_REPORTS = (".html", ".json")
+
+
+class Reader(Stage[O_co]):
+    """Gives the mesh that a pipeline starts from."""
+
+    family = "readers"
+
+    @classmethod
+    def starts(cls) -> bool:  # noqa: D102
+        return True
+
+    @abstractmethod
+    def kinds(self) -> frozenset[Kind]:
+        """The kinds of mesh it may give, as far as known before it has read."""
+
+    @abstractmethod
+    def read(self) -> Mesh:
+        """Give the mesh."""
+
+
+class Writer(Stage[O_co]):
+    """Writes what comes in and hands it on."""
+
+    family = "writers"
+    many: ClassVar[bool] = False  #: whether it takes several meshes at once
+    reserved: ClassVar[frozenset[str]] = frozenset()  #: tags that these cannot have
+
+    @property
+    @abstractmethod
+    def filename(self) -> str:
+        """The file it writes."""
+
+    @abstractmethod
+    def check_takes(self, kind: Kind) -> None:
+        """Raise a :class:`~wct_plugin.errors.WctError` unless it can write meshes of ``kind``."""
+
+    def check_read(self, mesh: Mesh) -> None:
+        """Raise a :class:`~wct_plugin.errors.WctError` if a mesh with the groups of ``mesh`` cannot be written.
+
+        Called with what a reader gave, before filters that keep the groups run.
+        """
+
+    @abstractmethod
+    def pass_on(self, flow: Flow) -> Flow:
+        """What goes on to the next stage."""
+
+    @abstractmethod
+    def write(self, flows: Mapping[str, Flow]) -> None:
+        """Write the meshes or what is to be said of them; they come by tag, or by type where they have none."""
+
+
+def _path(value: Any) -> Any:
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+class FileOptions(Options):
+    """A file by name; relative names start at the working directory."""
+
+    filename: str = Field(min_length=1, description="The file; its suffix tells the format")
+
+    _as_text = field_validator("filename", mode="before")(_path)
+
+
+class SourceOptions(Options):
+    """A file by name, or from Python a mesh."""
+
+    model_config = ConfigDict(arbitrary_types_allowed=True)
+
+    filename: Any = Field(
+        description="The file; its suffix tells the format", json_schema_extra={"type": "string", "minLength": 1}
+    )
+
+    @field_validator("filename", mode="before")
+    @classmethod
+    def _name_or_mesh(cls, value: Any) -> Any:
+        value = _path(value)
+        if (isinstance(value, str) and value) or isinstance(value, TetMesh | SurfaceMesh):
+            return value
+        raise ValueError("must be the name of a mesh file")
+
+
+class ReadMesh(Reader[SourceOptions]):
+    """Read a surface or tet mesh in any format of :func:`wct_plugin.read`."""
+
+    name = "mesh"
+    declaration = SourceOptions
+
+    def kinds(self) -> frozenset[Kind]:  # noqa: D102
+        given = self.options.filename
+        if not isinstance(given, str):
+            return frozenset({type(given)})
+        form = formats.to_read(Path(given))
+        able: dict[Kind, bool] = {TetMesh: form.volume, SurfaceMesh: form.surface}
+        return frozenset(kind for kind, can in able.items() if can)
+
+    def validate(self) -> None:  # noqa: D102
+        given = self.options.filename
+        if isinstance(given, str):
+            formats.to_read(Path(given))
+            if not Path(given).exists():
+                raise InputError(f"{given}: no such file")
+
+    def read(self) -> Mesh:  # noqa: D102
+        given: Mesh | str = self.options.filename
+        return io.read(given) if isinstance(given, str) else given
+
+
+class MeshFileOptions(FileOptions):
+    """A file by name, and how it is written if it is gmsh's."""
+
+    version: Literal["2.2", "4.1"] | None = Field(
+        None, description="Version of a .msh file (none: 2.2, or 4.1 where cells are in several groups)"
+    )
+    binary: bool | None = Field(None, description="Whether a .msh file is binary (none: it is text)")
+    groups: Literal["all", "first"] | None = Field(
+        None, description="Groups that a cell in several keeps in a .msh file (none: all)"
+    )
+
+    _version = field_validator("version", mode="before")(number_as_text)
+
+    @property
+    def msh(self) -> MshOptions:
+        """The options of gmsh files alone."""
+        return MshOptions(self.version, self.binary, self.groups)
+
+
+class WriteMesh(Writer[MeshFileOptions]):
+    """Write the mesh in any format of :func:`wct_plugin.write` and hand it on."""
+
+    name = "mesh"
+    declaration = MeshFileOptions
+
+    @property
+    def filename(self) -> str:  # noqa: D102
+        return self.options.filename
+
+    def validate(self) -> None:  # noqa: D102
+        atomic_files.check_writable(self.filename)
+
+    def check_takes(self, kind: Kind) -> None:  # noqa: D102
+        self.options.msh.check(self.filename, formats.to_write(Path(self.filename), volume=kind is TetMesh))
+
+    def check_read(self, mesh: Mesh) -> None:  # noqa: D102
+        if isinstance(mesh, TetMesh):
+            io.check_groups(self.filename, mesh, self.options.msh)
+
+    def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
+        return flow.into(self.filename)
+
+    def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
+        (flow,) = flows.values()
+        msh = self.options.msh
+        io.write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups)
+
+
+class ReportOptions(FileOptions):
+    """Where the report goes and what it lists."""
+
+    filename: str = Field(min_length=1, description="The file to write")
+    format: Literal["html", "json"] | None = Field(
+        None, description="html: a page that needs nothing else; json: numbers (none: as the file's suffix says)"
+    )
+    worst: int = Field(10, ge=0, description="How many of the worst tets to list")
+
+
+class WriteReport(Writer[ReportOptions]):
+    """Write the report of a tet mesh, or of several side by side, as an HTML page or as JSON, and hand the last one on.
+
+    JSON of one mesh is the object that ``wct report --json`` gives. JSON of several has the reports under their tags,
+    and of the last one under ``filters`` the metrics of the filters it came through and under ``provenance`` its
+    stages with options and seconds, and the versions. All are measured against the reference of the last one.
+    """
+
+    name = "report"
+    declaration = ReportOptions
+    many = True
+    reserved = frozenset({"filters", "provenance"})  # beside the tags in the JSON
+
+    @property
+    def filename(self) -> str:  # noqa: D102
+        return self.options.filename
+
+    def _is_page(self) -> bool:
+        suffix = Path(self.filename).suffix.lower()
+        if self.options.format is None and suffix not in _REPORTS:
+            raise OutputError(f"{self.filename}: unknown suffix {suffix!r}; allowed are {' '.join(_REPORTS)}")
+        return (self.options.format or suffix.removeprefix(".")) == "html"
+
+    def validate(self) -> None:  # noqa: D102
+        if self._is_page():
+            html_report.check_available()
+        atomic_files.check_writable(self.filename)
+
+    def check_takes(self, kind: Kind) -> None:  # noqa: D102
+        check_kind(self.type(), TetMesh, kind)
+
+    def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
+        return flow
+
+    def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
+        if self._is_page():
+            text = _page(flows, self.options.worst)
+        else:
+            text = json.dumps(report_content(flows, self.options.worst), indent=2)
+        with atomic_files.replacing(self.filename) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def _page(flows: Mapping[str, Flow], worst: int) -> str:
+    reports = side_by_side(flows, worst)
+    sources = [Path(one.source).name for one in reports.values() if one.source]
+    return html_report.html(
+        list(reports.values()),
+        " → ".join(sources) or "Report",
+        names=list(reports),
+        meshes=[flow.mesh for flow in flows.values() if isinstance(flow.mesh, TetMesh)],
+        made=provenance(list(flows.values())[-1]),
+    )
+
+
+def provenance(flow: Flow) -> dict[str, Any]:
+    """How a mesh was made, ready for JSON: the stages it came through with options and seconds, and the versions."""
+    return {
+        "stages": [
+            {
+                "type": one.stage.type(),
+                "options": options_of(one.stage),
+                "given": sorted(one.stage.options.model_fields_set),
+                "mesh": one.size,
+                "seconds": one.seconds,
+            }
+            for one in flow.history
+        ],
+        **environment(),
+    }
+
+
+def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]:
+    """What :class:`WriteReport` writes as JSON."""
+    reports = {name: one.to_dict() for name, one in side_by_side(flows, worst).items()}
+    if len(reports) == 1:
+        return next(iter(reports.values()))
+    last = list(flows.values())[-1]
+    return {**reports, "filters": plain(last.metrics), "provenance": provenance(last)}
+
+
+#: Every reader and writer by type.
+ENDS: Mapping[str, type[Reader[Options]] | type[Writer[Options]]] = {
+    end.type(): end for end in (ReadMesh, WriteMesh, WriteReport)
+}
+
+
+def writer_type(filename: str) -> str:
+    """The type of writer that a file's name alone asks for."""
+    return (WriteReport if Path(filename).suffix.lower() in _REPORTS else WriteMesh).type()

@@ -1,0 +1,17 @@
+"""Where long work stands, and how it is asked to stop."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a long filter stands: ``done`` in 0..1, ``bad`` the tets that miss the goal so far (None: unknown)."""
+
+    stage: str
+    done: float
+    bad: int | None = None
+
+
+#: Called now and then during long work; returning False stops it and keeps the best so far.
+ProgressCallback = Callable[[Progress], bool | None]

@@ -1,0 +1,1 @@
+"""Power weights: linear programmes and what goes with them."""
