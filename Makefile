@@ -6,7 +6,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-CORE := $(wildcard wct_plugin/core/*.h wct_plugin/core/*.cpp)
+CORE := $(wildcard cpp/*/*.h cpp/*/*.cpp)
 
 # Headers and venv for Debian's own Python; for the tests, TetGen, a browser, and the X and GL libraries that the wheels of
 # gmsh and pymeshlab load.

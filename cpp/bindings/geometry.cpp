@@ -1,0 +1,117 @@
+#include "bindings/bindings.h"
+#include "bindings/domain.h"
+#include "bindings/workers.h"
+#include "geometry/euler_characteristic.h"
+#include "geometry/farthest_sample.h"
+#include "geometry/triangle_tree.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace nb = nanobind;
+
+namespace wct::bindings {
+
+namespace {
+
+/// Nearest points of a surface: points, triangles, distances.
+nb::tuple closest_arrays(const Array &surface_points, const Array &surface_triangles, const Array &queries,
+                         unsigned threads) {
+    const std::vector<Vec3> points = points_of(surface_points, "surface_points");
+    const auto triangles = cells_of<3>(surface_triangles, points.size(), "triangles");
+    if (triangles.empty())
+        throw std::invalid_argument("the surface has no triangles");
+    std::vector<Vec3> at = points_of(queries, "queries");
+    std::vector<int> piece(at.size());
+    std::vector<double> distance(at.size());
+    {
+        nb::gil_scoped_release release;
+        const geometry::TriangleTree tree(points, triangles);
+        workers_of(threads).for_chunks(at.size(), 512, [&](std::size_t first, std::size_t last) {
+            int hint = -1;
+            for (std::size_t i = first; i < last; ++i) {
+                const auto found = tree.nearest(at[i], hint);
+                at[i] = found.point;
+                piece[i] = hint = found.triangle;
+                distance[i] = std::sqrt(found.square);
+            }
+        });
+    }
+    return nb::make_tuple(array_of(at), array_of<std::int64_t>(piece), array_of<double>(distance));
+}
+
+/// The farthest of the samples of one surface from another: its distance and where it is.
+nb::tuple farthest_arrays(const Array &sampled_points, const Array &sampled_triangles, double step,
+                          const Array &surface_points, const Array &surface_triangles, unsigned threads) {
+    const std::vector<Vec3> points = points_of(sampled_points, "points");
+    const auto triangles = cells_of<3>(sampled_triangles, points.size(), "triangles");
+    const std::vector<Vec3> on = points_of(surface_points, "surface_points");
+    const auto facets = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
+    if (triangles.empty() || facets.empty())
+        throw std::invalid_argument("the surface has no triangles");
+    if (!(step >= 0.0))
+        throw std::invalid_argument("step must not be negative");
+    geometry::Farthest found;
+    {
+        nb::gil_scoped_release release;
+        found =
+            geometry::farthest_sample(points, triangles, step, geometry::TriangleTree(on, facets), workers_of(threads));
+    }
+    return nb::make_tuple(found.distance, nb::make_tuple(found.at.x, found.at.y, found.at.z));
+}
+
+/// Of each region.
+nb::object euler_arrays(const Array &tets, const Array &region) {
+    const auto cells = cells_of<4>(tets, std::numeric_limits<std::int32_t>::max(), "tets");
+    const std::vector<int> of = numbers_of(region, cells.size(), std::int64_t{1} << 30, "region");
+    std::vector<int> out;
+    {
+        nb::gil_scoped_release release;
+        out = geometry::euler_characteristics(cells, of);
+    }
+    return array_of<std::int64_t>(out);
+}
+
+/// Principal curvatures per triangle corner.
+nb::object curvature_arrays(const Array &surface_points, const Array &triangles, const Array &patch) {
+    domain::SurfaceData surface;
+    surface.points = points_of(surface_points, "surface_points");
+    surface.triangles = cells_of<3>(triangles, surface.points.size(), "triangles");
+    const auto number = static_cast<std::int64_t>(surface.triangles.size());
+    surface.patch = numbers_of(patch, surface.triangles.size(), number, "patch");
+    for (const int p : surface.patch)
+        surface.sides.resize(std::max<std::size_t>(surface.sides.size(), p + 1), {0, -1});
+    const std::size_t count = surface.triangles.size();
+    const domain::Reference reference(std::move(surface));
+    return array<double>(count, 6, [&](double *to) {
+        for (std::size_t t = 0; t < count; ++t)
+            for (int k = 0; k < 3; ++k)
+                for (const double value : reference.curvature(reference.wedge(static_cast<int>(t), k)))
+                    *to++ = value;
+    });
+}
+
+} // namespace
+
+void bind_geometry(nb::module_ &m) {
+    m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
+          nb::arg("threads") = 0,
+          "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
+    m.def("euler_characteristics", &euler_arrays, nb::arg("tets"), nb::arg("region"),
+          "Euler characteristic of each region: vertices - edges + facets - tets.");
+    m.def("farthest_sample", &farthest_arrays, nb::arg("points"), nb::arg("triangles"), nb::arg("step"),
+          nb::arg("surface_points"), nb::arg("surface_triangles"), nb::arg("threads") = 0,
+          "Distance and place of the sample of one triangle surface that is farthest from another.");
+    m.def(
+        "surface_curvatures", &curvature_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
+        "Principal curvatures (t, 6) at the three corners of each triangle as its patch sees them, the larger first;\n"
+        "positive where the surface bends away from its normal. Zero on planar patches.");
+}
+
+} // namespace wct::bindings

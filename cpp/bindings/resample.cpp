@@ -1,0 +1,238 @@
+#include "bindings/bindings.h"
+#include "bindings/domain.h"
+#include "bindings/workers.h"
+
+#include "sampling/resample.h"
+#include "sampling/surface_labels.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace nb = nanobind;
+
+namespace wct::bindings {
+
+namespace {
+
+nb::dict to_python(const sampling::Resampled &result, const sampling::SurfaceLabels &surface) {
+    const sampling::Cloud &cloud = result.cloud;
+    std::vector<int> kept; // the tets inside
+    for (std::size_t t = 0; t < result.complex.all.tets.size(); ++t)
+        if (result.complex.region[t] >= 0)
+            kept.push_back(static_cast<int>(t));
+    std::vector<char> used(cloud.count(), 0);
+    for (const int t : kept)
+        for (const int v : result.complex.all.tets[t])
+            used[v] = 1;
+    std::vector<std::size_t> points;
+    std::vector<std::int64_t> place(cloud.count(), -1);
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (used[i]) {
+            place[i] = static_cast<std::int64_t>(points.size());
+            points.push_back(i);
+        }
+    nb::dict out;
+    out["points"] = array<double>(points.size(), 3, [&](double *to) {
+        for (const std::size_t i : points) {
+            *to++ = cloud.points[i].x;
+            *to++ = cloud.points[i].y;
+            *to++ = cloud.points[i].z;
+        }
+    });
+    out["tets"] = array<std::int64_t>(kept.size(), 4, [&](std::int64_t *to) {
+        for (const int t : kept)
+            for (const int v : result.complex.all.tets[t])
+                *to++ = place[v];
+    });
+    out["region"] = array<std::int64_t>(kept.size(), 0, [&](std::int64_t *to) {
+        for (const int t : kept)
+            *to++ = result.complex.region[t];
+    });
+    out["stratum"] = array<std::int8_t>(points.size(), 0, [&](std::int8_t *to) {
+        for (const std::size_t i : points)
+            *to++ = static_cast<std::int8_t>(cloud.role[i]);
+    });
+    out["label"] = array<std::int64_t>(points.size(), 0, [&](std::int64_t *to) {
+        for (const std::size_t i : points)
+            *to++ = cloud.role[i] == Stratum::interior ? -1 : cloud.label[i];
+    });
+    out["size"] = array<double>(points.size(), 0, [&](double *to) {
+        for (const std::size_t i : points)
+            *to++ = cloud.size[i];
+    });
+    out["facets"] = array<std::int64_t>(surface.facets.size(), 3, [&](std::int64_t *to) {
+        for (const Facet &facet : surface.facets)
+            for (const int v : facet)
+                *to++ = place[v];
+    });
+    out["facet_patch"] = array_of<std::int64_t>(surface.patch);
+    out["creases"] = array<std::int64_t>(surface.creases.size(), 2, [&](std::int64_t *to) {
+        for (const Edge &edge : surface.creases)
+            for (const int v : edge)
+                *to++ = place[v];
+    });
+    out["crease_curve"] = array_of<std::int64_t>(surface.curve);
+    const auto flawed = [&](const std::vector<int> &list) {
+        return array<std::int64_t>(list.size(), 0, [&](std::int64_t *to) {
+            for (const int v : list)
+                *to++ = place[v];
+        });
+    };
+    out["exposed"] = flawed(result.flaws.exposed);
+    out["pinched"] = flawed(result.flaws.pinched);
+    out["lost"] = flawed(result.lost);
+    out["intact"] = result.intact;
+    nb::dict stats;
+    stats["bad"] = result.tally.bad;
+    stats["deviation_out"] = result.deviation.most_out;
+    stats["deviation_in"] = result.deviation.most_in;
+    stats["volume_gain"] = result.deviation.volume_gain;
+    stats["stopped"] = result.stopped;
+    for (const auto &[name, value] : result.stats)
+        stats[name.c_str()] = value;
+    out["stats"] = stats;
+    return out;
+}
+
+/// Hand freed memory back to the system: what comes after a large piece of work needs its room in other pieces, and the
+/// peak would be the sum of both.
+void trim() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
+/// Places and a positive number at each.
+template <class Place>
+std::vector<Place> places_of(const Array &at, const char *at_name, const Array &value, const char *value_name) {
+    const std::vector<Vec3> points = points_of(at, at_name);
+    const std::vector<double> values = sizes_of(value, points.size(), value_name);
+    std::vector<Place> places;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        places.push_back({points[k], values[k]});
+    return places;
+}
+
+/// Places where edges are to be shorter.
+std::vector<domain::SizeLimit> limits_of(const std::optional<Array> &at, const std::optional<Array> &size) {
+    if (at.has_value() != size.has_value())
+        refuse("finer_at and finer_size go together");
+    if (!at)
+        return {};
+    return places_of<domain::SizeLimit>(*at, "finer_at", *size, "finer_size");
+}
+
+/// A mesh's points, and where it is made anew.
+std::optional<sampling::PartialRenewal>
+renewal_of(const std::optional<Array> &points, const std::optional<Array> &stratum, const std::optional<Array> &label,
+           const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius) {
+    if (!points && !stratum && !label && !anew_at && !anew_radius)
+        return {};
+    if (!points || !stratum || !label || !anew_at || !anew_radius)
+        refuse("kept_points, kept_stratum, kept_label, anew_at and anew_radius go together");
+    const std::vector<Vec3> at = points_of(*points, "kept_points");
+    const auto strata = static_cast<std::int64_t>(Stratum::corner) + 1;
+    const std::vector<int> role = numbers_of(*stratum, at.size(), strata, "kept_stratum");
+    const std::vector<int> labels =
+        numbers_of(*label, at.size(), std::numeric_limits<std::int32_t>::max(), "kept_label");
+    sampling::Cloud mesh;
+    for (std::size_t i = 0; i < at.size(); ++i)
+        mesh.add(at[i], static_cast<Stratum>(role[i]), labels[i], 0.0);
+    return std::optional<sampling::PartialRenewal>(
+        std::in_place, std::move(mesh),
+        places_of<sampling::PartialRenewal::Zone>(*anew_at, "anew_at", *anew_radius, "anew_radius"));
+}
+
+nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
+                         const Array &curve, const Array &corners, const Array &sides, const Array &points,
+                         const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
+                         const std::optional<Array> &folds, const std::optional<Array> &finer_at,
+                         const std::optional<Array> &finer_size, const std::optional<Array> &kept_points,
+                         const std::optional<Array> &kept_stratum, const std::optional<Array> &kept_label,
+                         const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius, bool cosines,
+                         std::uint64_t seed, const nb::object &progress, double gap, unsigned threads) {
+    trim();
+    domain::SurfaceData surface =
+        surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
+    surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
+    surface.curve = curves_of(curve, surface.segments.size(), surface.triangles.size(), "curve");
+    surface.corners = numbers_of(corners, static_cast<std::int64_t>(surface.points.size()), "corners");
+    if (folds)
+        surface.folds = cells_of<2>(*folds, surface.points.size(), "folds");
+    const domain::InputMesh mesh = mesh_of(points, tets, region);
+    if (surface.triangles.empty() || mesh.tets.empty())
+        throw std::invalid_argument("a surface and a mesh are needed");
+    if (!(tolerance > 0.0))
+        throw std::invalid_argument("tolerance must be positive");
+    if (!(gap > 0.0))
+        throw std::invalid_argument("gap must be positive");
+    const std::vector<double> wanted = wanted_of(size, mesh);
+    sampling::ResampleOptions form;
+    form.sizing.gap = gap;
+    form.sizing.tolerance = tolerance;
+    form.sizing.limits = limits_of(finer_at, finer_size);
+    form.cosines = cosines;
+    form.seed = seed;
+    const std::optional<sampling::PartialRenewal> renewal =
+        renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
+    Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
+    sampling::Resampled result;
+    sampling::SurfaceLabels labels;
+    {
+        nb::gil_scoped_release release;
+        Monitor monitor(listener);
+        domain::Reference reference(std::move(surface));
+        result = sampling::resample(reference, mesh, wanted, form, renewal, monitor, workers_of(threads));
+        if (!result.complex.all.tets.empty()) {
+            sampling::free_buried(result.cloud, result.complex, reference);
+            labels = sampling::label_surface(result.cloud, result.complex, reference);
+        }
+    }
+    trim();
+    return to_python(result, labels);
+}
+
+} // namespace
+
+void bind_resample(nb::module_ &m) {
+    m.def(
+        "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
+        nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
+        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("folds") = nb::none(),
+        nb::arg("finer_at") = nb::none(), nb::arg("finer_size") = nb::none(), nb::arg("kept_points") = nb::none(),
+        nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
+        nb::arg("anew_radius") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
+        nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap, nb::arg("threads") = 0,
+        "Resample a domain with tets that are nearly all well-centered.\n\n"
+        "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
+        "ids\n"
+        "(s,), corners (c,), sides (patches, 2): the region behind a patch's triangles and the one before, -1 "
+        "outside.\n"
+        "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
+        "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
+        "one. folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
+        "(k,): edges are no longer than this round these places.\n"
+        "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"
+        "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). progress(done, bad) "
+        "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
+        "of the gap.\n\n"
+        "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"
+        "buried there, 1 patch, 2 crease, 3 corner),\n"
+        "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
+        "where\n"
+        "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
+        "across from one planar patch to another, the creases of those have no gaps, and the Euler characteristic of\n"
+        "every region is as in the mesh; lost: points where the domain is not represented, but for corners;\n"
+        "stats. No tets where it was stopped before there were any. The same input and seed give the same bits.");
+}
+
+} // namespace wct::bindings

@@ -1,0 +1,449 @@
+#include "conform/conform.h"
+
+#include "conform/surface_probes.h"
+#include "geometry/circumspheres.h"
+#include "geometry/euler_characteristic.h"
+#include "sampling/pinch_mending.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace wct::conform {
+
+namespace {
+
+constexpr double kApart = 0.1; // of new points that bring a surface back, in sizes
+constexpr double kOff = 0.4;   // width, in radii, of where a point may come for a circle's center: squares make squares
+
+/// One round: the complex of the points as they are, and what is wrong with it.
+class Round {
+  public:
+    Round(ConformingCloud &points, const domain::Reference &reference, const SurfaceProbes &probes,
+          const domain::RegionMap &map, const ConformOptions &form, Random &random, const Workers &workers)
+        : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map), form_(form),
+          random_(random) {
+        complex_ = sampling::labelled_delaunay(cloud_, map, workers);
+        spheres_.resize(complex_.all.tets.size());
+        for (std::size_t t = 0; t < spheres_.size(); ++t) {
+            const auto &[a, b, c, d] = complex_.all.tets[t];
+            spheres_[t] =
+                geometry::circumsphere(cloud_.points[a], cloud_.points[b], cloud_.points[c], cloud_.points[d]);
+        }
+        if (form.one_sided)
+            peel();
+        flaws_ = sampling::mend_pinches(cloud_, reference, complex_, sampling::find_flaws(cloud_, complex_));
+        std::erase_if(flaws_.pinched, [&](int v) { return cloud_.role[v] == Stratum::corner; });
+    }
+
+    const sampling::RestrictedDelaunay &complex() const { return complex_; }
+
+    /// Look for faults and change the points against them; the complex is then out of date.
+    Faults mend() {
+        gone_.assign(cloud_.count(), 0);
+        points_.begin_round();
+        mend_creases();
+        mend_surface();
+        if (form_.one_sided) {
+            mend_outer();
+            mend_edges();
+            mend_ties();
+        }
+        points_.remove(gone_);
+        return faults_;
+    }
+
+  private:
+    /// Signed height of a tet's circumcenter over its facet i.
+    double height(int t, int i) const {
+        const auto f = corners(complex_.facet(t, i));
+        return dot(unit(normal_of(f)), f[0] - spheres_[t].center);
+    }
+    std::array<Vec3, 3> corners(const std::array<int, 3> &f) const {
+        return {cloud_.points[f[0]], cloud_.points[f[1]], cloud_.points[f[2]]};
+    }
+    /// What a tet's facet i adds to the dual area of its edge opposite corner v, in lengths of the edge.
+    double share(int t, int i, int v) const {
+        auto f = complex_.facet(t, i);
+        std::rotate(f.begin(), std::find(f.begin(), f.end(), v), f.end());
+        const auto at = corners(f);
+        return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * height(t, i);
+    }
+    bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
+    bool beyond(int t, int i) const { return height(t, i) <= form_.least * spheres_[t].radius; }
+
+    /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface.
+    void peel() {
+        std::vector<std::array<int, 2>> kept; // no crease may be lost
+        for (const Segment &s : points_.segments())
+            kept.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
+        std::sort(kept.begin(), kept.end());
+        std::vector<int> queue;
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
+            queue.push_back(t);
+        for (std::size_t k = 0; k < queue.size(); ++k) {
+            const int t = queue[k];
+            const auto &tet = complex_.all.tets[t];
+            if (complex_.region[t] < 0 || std::any_of(tet.begin(), tet.end(), [&](int v) { return inside(v); }))
+                continue;
+            std::array<int, 2> open{};
+            int count = 0;
+            bool wrong = false;
+            for (int i = 0; i < 4; ++i)
+                if (complex_.beyond(t, i) < 0) {
+                    if (count < 2)
+                        open[count] = i;
+                    ++count;
+                    wrong = wrong || beyond(t, i);
+                }
+            if (count != 2 || sampling::shared_patches(cloud_, reference_, tet).empty())
+                continue;
+            std::array<int, 2> lost{}, made{tet[open[0]], tet[open[1]]};
+            for (int i = 0, n = 0; i < 4; ++i)
+                if (i != open[0] && i != open[1])
+                    lost[n++] = tet[i];
+            std::sort(lost.begin(), lost.end());
+            wrong = wrong || share(t, open[0], made[1]) + share(t, open[1], made[0]) <= 0.0;
+            const Vec3 middle = 0.5 * (cloud_.points[made[0]] + cloud_.points[made[1]]);
+            if (!wrong || std::binary_search(kept.begin(), kept.end(), lost))
+                continue;
+            if (const domain::Foot foot = reference_.nearest(middle); probes_.off(middle, foot)) {
+                ridges_.push_back({t, foot});
+                continue;
+            }
+            complex_.region[t] = -1;
+            for (const int next : complex_.all.neighbours[t])
+                if (next >= 0)
+                    queue.push_back(next);
+        }
+    }
+
+    /// Remove the points inside a ball that may go; false if there are none.
+    bool clear(const std::vector<int> &candidates, const geometry::Sphere &ball) {
+        bool any = false;
+        for (const int v : candidates)
+            if (inside(v) && points_.origin()[v] >= 0 && norm(cloud_.points[v] - ball.center) < ball.radius) {
+                gone_[v] = 1;
+                any = true;
+            }
+        return any;
+    }
+
+    void mend_creases() {
+        std::vector<std::array<int, 2>> edges;
+        for (std::size_t t = 0; t < complex_.all.tets.size(); ++t)
+            if (complex_.region[t] >= 0)
+                for (const auto &[i, j] : kEdges) {
+                    const int a = complex_.all.tets[t][i], b = complex_.all.tets[t][j];
+                    if (!inside(a) && !inside(b))
+                        edges.push_back({std::min(a, b), std::max(a, b)});
+                }
+        std::sort(edges.begin(), edges.end());
+        std::vector<std::size_t> missing;
+        for (std::size_t k = 0; k < points_.segments().size(); ++k) {
+            const auto &[a, b, curve] = points_.segments()[k];
+            if (!std::binary_search(edges.begin(), edges.end(), std::array{std::min(a, b), std::max(a, b)}))
+                missing.push_back(k);
+        }
+        faults_.creases = missing.size();
+        for (const std::size_t k : missing) {
+            const auto [a, b, curve] = points_.segments()[k];
+            const Vec3 &p = cloud_.points[a], &q = cloud_.points[b];
+            if (!clear(all_inside(), {0.5 * (p + q), 0.5 * norm(q - p)}))
+                points_.split(k);
+        }
+    }
+
+    const std::vector<int> &all_inside() {
+        if (all_inside_.empty())
+            for (std::size_t v = 0; v < gone_.size(); ++v)
+                if (inside(static_cast<int>(v)))
+                    all_inside_.push_back(static_cast<int>(v));
+        return all_inside_;
+    }
+
+    void mend_surface() {
+        std::vector<char> used(cloud_.count(), 0);
+        for (std::size_t t = 0; t < complex_.all.tets.size(); ++t)
+            if (complex_.region[t] >= 0)
+                for (const int v : complex_.all.tets[t])
+                    used[v] = 1;
+        const auto bare = static_cast<std::size_t>(std::count(used.begin(), used.end(), 0));
+        faults_.surface = flaws_.exposed.size() + flaws_.pinched.size() + bare;
+        for (const int v : flaws_.exposed)
+            gone_[v] = 1;
+        std::vector<char> pinched(cloud_.count(), 0);
+        for (const int v : flaws_.pinched)
+            pinched[v] = 1;
+        const auto facets = sampling::surface_facets(complex_);
+        for (const auto &f : facets) {
+            if (inside(f[0]) || inside(f[1]) || inside(f[2]))
+                continue;
+            const bool touches = pinched[f[0]] || pinched[f[1]] || pinched[f[2]];
+            if (!touches && probes_.is_own(f, points_.origin()))
+                continue;
+            const domain::Foot worst =
+                probes_.farthest(corners(f), touches || sampling::shared_patches(cloud_, reference_, f).empty());
+            if (worst.triangle >= 0) {
+                faults_.off += !touches;
+                restore(worst);
+            }
+        }
+        for (const domain::Foot &foot : probes_.missed(cloud_.points, facets, points_.origin())) {
+            ++faults_.off;
+            restore(foot);
+        }
+    }
+
+    /// Bring the own surface back at a point of it.
+    void restore(const domain::Foot &foot) {
+        const auto &own = reference_.data().triangles[foot.triangle];
+        const auto &at = reference_.data().points;
+        const geometry::Sphere ball = geometry::circumsphere(std::array{at[own[0]], at[own[1]], at[own[2]]});
+        double size = 0.0; // of the nearest corner
+        for (double least = std::numeric_limits<double>::infinity(); const int v : own)
+            if (const double far = norm(foot.point - at[v]); far < least) {
+                least = far;
+                size = points_.size_of_own(v);
+            }
+        if (!clear(all_inside(), ball))
+            points_.insert_on_patch(foot.point, reference_.data().patch[foot.triangle], size, kApart * size);
+    }
+
+    void mend_outer() {
+        // Where a bend is too sharp for the flip that would help, a point on it halves what the flip cuts off.
+        for (const auto &[t, foot] : ridges_) {
+            if (complex_.region[t] >= 0)
+                restore(foot);
+        }
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
+            for (int i = 0; i < 4; ++i) {
+                if (complex_.region[t] < 0 || complex_.beyond(t, i) >= 0 || !beyond(t, i))
+                    continue;
+                ++faults_.outer;
+                const auto f = complex_.facet(t, i);
+                const int apex = complex_.all.tets[t][i];
+                if (inside(apex) && points_.origin()[apex] >= 0)
+                    gone_[apex] = 1;
+                else
+                    split_facet(f, 0.0);
+            }
+    }
+
+    /// Where the two boundary facets at an edge are obtuse opposite it, the dual area may be negative although all
+    /// circumcenters are inside.
+    void mend_edges() {
+        struct Share {
+            std::array<int, 2> edge;
+            double area;
+            std::array<int, 3> outer; // the boundary facet, if it is one
+        };
+        std::vector<char> open(cloud_.count(), 0);
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
+            for (int i = 0; i < 4; ++i)
+                if (complex_.region[t] >= 0 && complex_.beyond(t, i) < 0)
+                    for (const int v : complex_.facet(t, i))
+                        open[v] = 1;
+        std::vector<Share> shares;
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
+            for (int i = 0; i < 4; ++i) {
+                if (complex_.region[t] < 0)
+                    continue;
+                const auto f = complex_.facet(t, i);
+                const bool outer = complex_.beyond(t, i) < 0;
+                for (int k = 0; k < 3; ++k) {
+                    const int a = f[(k + 1) % 3], b = f[(k + 2) % 3];
+                    if (open[a] && open[b])
+                        shares.push_back({{std::min(a, b), std::max(a, b)},
+                                          share(t, i, f[k]),
+                                          outer ? std::array{f[k], a, b} : std::array{-1, a, b}});
+                }
+            }
+        std::stable_sort(shares.begin(), shares.end(), [](const Share &a, const Share &b) { return a.edge < b.edge; });
+        for (std::size_t k = 0, end = 0; k < shares.size(); k = end) {
+            double area = 0.0;
+            std::vector<std::array<int, 3>> outer;
+            for (end = k; end < shares.size() && shares[end].edge == shares[k].edge; ++end) {
+                area += shares[end].area;
+                if (shares[end].outer[0] >= 0)
+                    outer.push_back(shares[end].outer);
+            }
+            const auto &[a, b] = shares[k].edge;
+            if (outer.empty() || area > form_.least * norm(cloud_.points[a] - cloud_.points[b]))
+                continue;
+            ++faults_.edges;
+            split_facet(*std::min_element(outer.begin(), outer.end(),
+                                          [&](const auto &f, const auto &g) { return cosine(f) < cosine(g); }),
+                        kOff);
+        }
+    }
+
+    /// Of the angle at the first corner.
+    double cosine(const std::array<int, 3> &f) const {
+        const auto at = corners(f);
+        return dot(unit(at[1] - at[0]), unit(at[2] - at[0]));
+    }
+
+    /// Put a point on the patch of a surface facet, at its circumcenter or by `off` radii beside it.
+    void split_facet(const std::array<int, 3> &f, double off) {
+        const std::vector<int> shared = sampling::shared_patches(cloud_, reference_, f);
+        if (shared.empty())
+            return; // it is off the surface in any case
+        const auto at = corners(f);
+        geometry::Sphere ball = geometry::circumsphere(at);
+        const Vec3 u = unit(at[1] - at[0]), v = cross(unit(normal_of(at)), u);
+        ball.center += ball.radius * off * ((random_.uniform() - 0.5) * u + (random_.uniform() - 0.5) * v);
+        const int patch = shared.size() == 1 ? shared[0] : nearest_of(shared, (1.0 / 3.0) * (at[0] + at[1] + at[2]));
+        points_.insert_on_patch(ball.center, patch, size_of(f), 0.4 * ball.radius);
+    }
+
+    int nearest_of(const std::vector<int> &patches, const Vec3 &p) const {
+        return *std::min_element(patches.begin(), patches.end(), [&](int a, int b) {
+            return reference_.nearest(p, a).distance < reference_.nearest(p, b).distance;
+        });
+    }
+
+    double size_of(const std::array<int, 3> &f) const {
+        return (cloud_.size[f[0]] + cloud_.size[f[1]] + cloud_.size[f[2]]) / 3.0;
+    }
+
+    void mend_ties() {
+        std::vector<char> moved(gone_.size(), 0);
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
+            for (int i = 0; i < 4; ++i) {
+                const int next = complex_.all.neighbours[t][i];
+                if (complex_.region[t] < 0 || next < t || complex_.region[next] < 0)
+                    continue;
+                const int back = static_cast<int>(
+                    std::find(complex_.all.neighbours[next].begin(), complex_.all.neighbours[next].end(), t) -
+                    complex_.all.neighbours[next].begin());
+                if (height(t, i) + height(next, back) >
+                    form_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
+                    continue;
+                ++faults_.ties;
+                mend_tie(t, i, complex_.all.tets[next][back], moved);
+            }
+    }
+
+    void mend_tie(int t, int i, int other, std::vector<char> &moved) {
+        constexpr double flat = 1e-6, step = 0.03;
+        const auto f = complex_.facet(t, i);
+        const int apex = complex_.all.tets[t][i];
+        // Four surface points on a circle are on one sphere with every fifth: only a point between them helps.
+        for (int k = 0; k < 3; ++k) {
+            const std::array<int, 4> four{apex, f[k], other, f[(k + 1) % 3]};
+            if (std::any_of(four.begin(), four.end(), [&](int v) { return inside(v); }))
+                continue;
+            const auto at = corners({four[0], four[1], four[2]});
+            const geometry::Sphere ball = geometry::circumsphere(at);
+            const Vec3 &last = cloud_.points[four[3]];
+            if (std::fabs(dot(unit(normal_of(at)), last - at[0])) > flat * ball.radius ||
+                std::fabs(norm(last - ball.center) - ball.radius) > flat * ball.radius)
+                continue;
+            if (!sampling::shared_patches(cloud_, reference_, four).empty()) {
+                split_facet({four[0], four[1], four[2]}, kOff);
+            } else {
+                const Vec3 p = ball.center + 0.5 * kOff * ball.radius * unit(random_.normal3());
+                points_.insert_inside(p, complex_.region[t], size_of(f), 0.4 * ball.radius);
+            }
+            return;
+        }
+        std::vector<int> free;
+        for (const int v : {f[0], f[1], f[2], apex, other})
+            if (inside(v))
+                free.push_back(v);
+        if (free.empty()) {
+            Vec3 p = spheres_[t].center;
+            if (map_.region(p, -1) != complex_.region[t]) {
+                p = {};
+                for (const int v : complex_.all.tets[t])
+                    p += 0.25 * cloud_.points[v];
+            }
+            points_.insert_inside(p + 0.1 * size_of(f) * random_.uniform() * unit(random_.normal3()),
+                                  complex_.region[t], size_of(f), 0.4 * std::min(size_of(f), spheres_[t].radius));
+            return;
+        }
+        const int v = free[random_.below(static_cast<int>(free.size()))];
+        if (!moved[v] && !gone_[v])
+            points_.shift(v, step * cloud_.size[v] * random_.normal3());
+        moved[v] = 1;
+    }
+
+    ConformingCloud &points_;
+    const sampling::Cloud &cloud_;
+    const domain::Reference &reference_;
+    const SurfaceProbes &probes_;
+    const domain::RegionMap &map_;
+    const ConformOptions &form_;
+    Random &random_;
+    sampling::RestrictedDelaunay complex_;
+    std::vector<geometry::Sphere> spheres_;
+    std::vector<std::pair<int, domain::Foot>> ridges_; // slivers on a bend too sharp to take them off
+    sampling::Flaws flaws_;
+    Faults faults_;
+    std::vector<char> gone_;
+    std::vector<int> all_inside_;
+};
+
+Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelaunay &complex,
+                const domain::Reference &reference) {
+    const sampling::Cloud &cloud = points.points();
+    Conformed out;
+    out.surface = sampling::label_surface(cloud, complex, reference);
+    out.surface.creases.clear();
+    out.surface.curve.clear();
+    for (const auto &[a, b, curve] : points.segments()) {
+        out.surface.creases.push_back({std::min(a, b), std::max(a, b)});
+        out.surface.curve.push_back(curve);
+    }
+    out.points = cloud.points;
+    out.origin = points.origin();
+    out.role = cloud.role;
+    out.label = cloud.label;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+        if (complex.region[t] >= 0) {
+            out.tets.push_back(complex.all.tets[t]);
+            out.region.push_back(complex.region[t]);
+        }
+    return out;
+}
+
+} // namespace
+
+Conformed conform(const domain::Reference &reference, const std::optional<domain::Reference> &given,
+                  const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const std::int64_t> label,
+                  std::span<const double> size, const ConformOptions &form, Monitor &monitor, const Workers &workers) {
+    const domain::RegionMap map(mesh, reference);
+    const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
+    const SurfaceProbes probes(reference, given, form.held * form.tolerance);
+    ConformingCloud points(reference, mesh, stratum, label, size);
+    Random random(form.seed);
+    Conformed best;
+    int since = 0;
+    for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
+         ++round) {
+        Round now(points, reference, probes, map, form, random, workers);
+        const ConformingCloud before = points;
+        const Faults faults = now.mend();
+        const bool intact = faults.unsound() == 0 &&
+                            geometry::euler_characteristics(now.complex().all.tets, now.complex().region) == euler;
+        if (round == 0 || std::pair(!intact, faults.all()) < std::pair(!best.intact, best.faults.all())) {
+            best = taken(before, now.complex(), reference);
+            best.faults = faults;
+            best.intact = intact;
+            since = 0;
+        } else {
+            ++since;
+        }
+        best.rounds = round + 1;
+        monitor.set_bad(static_cast<std::int64_t>(best.faults.outer + best.faults.edges + best.faults.ties));
+        monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / (form.effort * form.rounds));
+        if (intact && faults.all() == 0)
+            break;
+    }
+    best.stopped = monitor.stopped();
+    return best;
+}
+
+} // namespace wct::conform

@@ -1,0 +1,160 @@
+#include "conform/conform_inside.h"
+
+#include "base/random.h"
+#include "geometry/circumspheres.h"
+
+#include <algorithm>
+#include <array>
+
+namespace wct::conform {
+
+namespace {
+
+/// The pinned points, then those inside that are no corners of kept tets alone.
+sampling::Cloud own_points(const refill::PinnedFacets &facets, const domain::InputMesh &mesh,
+                           std::span<const double> size) {
+    sampling::Cloud cloud;
+    std::vector<char> taken(mesh.points.size(), 0);
+    for (const int v : facets.points()) {
+        cloud.add(mesh.points[v], Stratum::corner, v, size[v]);
+        taken[v] = 1;
+    }
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+        for (const int v : mesh.tets[t])
+            if (facets.keeps(static_cast<int>(t)))
+                taken[v] = 1;
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+        for (const int v : mesh.tets[t])
+            if (!taken[v]) {
+                cloud.add(mesh.points[v], Stratum::interior, mesh.region[t], size[v]);
+                taken[v] = 1;
+            }
+    return cloud;
+}
+
+/// Ties and circumcenters beyond a surface facet, counted; points inside are moved, added or dropped against them.
+class Untier {
+  public:
+    Untier(sampling::Cloud &cloud, const sampling::RestrictedDelaunay &complex, const domain::RegionMap &map,
+           const ConformOptions &form, Random &random)
+        : cloud_(cloud), complex_(complex), map_(map), form_(form), random_(random) {
+        for (const auto &[a, b, c, d] : complex.all.tets)
+            spheres_.push_back(
+                geometry::circumsphere(cloud.points[a], cloud.points[b], cloud.points[c], cloud.points[d]));
+    }
+
+    /// Count all, mend this share of them.
+    std::size_t run(double share) {
+        std::size_t faults = 0;
+        std::vector<char> keep(cloud_.count(), 1);
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
+            for (int i = 0; i < 4; ++i) {
+                const int next = complex_.all.neighbours[t][i];
+                if (complex_.region[t] < 0)
+                    continue;
+                if (next < 0 || complex_.region[next] < 0) {
+                    const int apex = complex_.all.tets[t][i];
+                    if (height(t, i) > form_.least * spheres_[t].radius)
+                        continue;
+                    ++faults;
+                    keep[apex] = cloud_.role[apex] != Stratum::interior;
+                } else if (next > t) {
+                    const auto &around = complex_.all.neighbours[next];
+                    const int back = static_cast<int>(std::find(around.begin(), around.end(), t) - around.begin());
+                    if (height(t, i) + height(next, back) >
+                        form_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
+                        continue;
+                    ++faults;
+                    if (random_.uniform() < share)
+                        part(t, i, complex_.all.tets[next][back]);
+                }
+            }
+        keep.resize(cloud_.count(), 1);
+        cloud_.keep(keep);
+        return faults;
+    }
+
+  private:
+    double height(int t, int i) const {
+        const auto f = complex_.facet(t, i);
+        const std::array<Vec3, 3> at{cloud_.points[f[0]], cloud_.points[f[1]], cloud_.points[f[2]]};
+        return dot(unit(normal_of(at)), at[0] - spheres_[t].center);
+    }
+
+    void part(int t, int i, int other) {
+        constexpr double step = 0.03, off = 0.1; // in sizes
+        const auto f = complex_.facet(t, i);
+        std::vector<int> free;
+        for (const int v : {f[0], f[1], f[2], complex_.all.tets[t][i], other})
+            if (cloud_.role[v] == Stratum::interior)
+                free.push_back(v);
+        if (!free.empty()) {
+            const int v = free[random_.below(static_cast<int>(free.size()))];
+            cloud_.points[v] += step * cloud_.size[v] * random_.normal3();
+        } else if (map_.region(spheres_[t].center, -1) == complex_.region[t]) {
+            const double size = (cloud_.size[f[0]] + cloud_.size[f[1]] + cloud_.size[f[2]]) / 3.0;
+            cloud_.add(spheres_[t].center + off * size * random_.uniform() * unit(random_.normal3()), Stratum::interior,
+                       complex_.region[t], size);
+        }
+    }
+
+    sampling::Cloud &cloud_;
+    const sampling::RestrictedDelaunay &complex_;
+    const domain::RegionMap &map_;
+    const ConformOptions &form_;
+    Random &random_;
+    std::vector<geometry::Sphere> spheres_;
+};
+
+refill::Refilled between(const refill::PinnedFacets &facets, const domain::InputMesh &mesh,
+                         const domain::RegionMap &map, std::span<const double> size, const ConformOptions &form,
+                         Monitor &monitor) {
+    constexpr double least = 0.05; // distance of points inside, in sizes
+    const refill::Keeper keeper(facets, mesh, least);
+    Random random(form.seed);
+    sampling::Cloud cloud = own_points(facets, mesh, size);
+    sampling::RestrictedDelaunay complex;
+    refill::Refilled best;
+    sampling::Cloud sound; // the last with all facets
+    std::size_t fewest = 0;
+    double share = 1.0;
+    int since = 0;
+    for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
+         ++round) {
+        keeper.clear(cloud);
+        ++since;
+        if (keeper.triangulate(cloud, complex)) {
+            sound = cloud;
+        } else if (best.tets.empty()) {
+            break;
+        } else { // points that were moved let go of a square: move fewer
+            share *= 0.5;
+            cloud = sound;
+            keeper.triangulate(cloud, complex);
+        }
+        const std::size_t faults = form.one_sided ? Untier(cloud, complex, map, form, random).run(share) : 0;
+        if (best.tets.empty() || faults < fewest) {
+            best = refill::merged(sound, complex, facets, mesh, size);
+            fewest = faults;
+            since = 0;
+        }
+        monitor.set_bad(static_cast<std::int64_t>(fewest));
+        monitor.work(complex.all.tets.size(), static_cast<double>(round) / (form.effort * form.rounds));
+        if (faults == 0)
+            break;
+    }
+    return best;
+}
+
+} // namespace
+
+refill::Refilled conform_inside(const domain::Reference &reference, const domain::InputMesh &mesh,
+                                const std::vector<char> &pinned, std::span<const Edge> edges,
+                                std::span<const double> size, const ConformOptions &form, Monitor &monitor) {
+    return refill::fill_between(reference, mesh, pinned, edges, monitor,
+                                [&](const refill::PinnedFacets &facets, const domain::RegionMap &map) {
+                                    return between(facets, mesh, map, size, form, monitor);
+                                });
+}
+
+} // namespace wct::conform

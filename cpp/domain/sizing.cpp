@@ -1,0 +1,371 @@
+#include "domain/sizing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+namespace wct::domain {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Lower `size` until it grows no faster than `grade` along the edges.
+void limit_gradient(std::vector<double> &size, std::span<const Vec3> points,
+                    const std::vector<std::vector<int>> &around, double grade) {
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (std::size_t v = 0; v < size.size(); ++v)
+        queue.emplace(size[v], static_cast<int>(v));
+    while (!queue.empty()) {
+        const auto [value, v] = queue.top();
+        queue.pop();
+        if (value > size[v])
+            continue;
+        for (const int w : around[v]) {
+            const double limit = value + grade * norm(points[w] - points[v]);
+            if (limit < size[w]) {
+                size[w] = limit;
+                queue.emplace(limit, w);
+            }
+        }
+    }
+}
+
+template <std::size_t n>
+std::vector<std::vector<int>> neighbours(const std::vector<std::array<int, n>> &cells, std::size_t count) {
+    std::vector<std::vector<int>> around(count);
+    for (const auto &cell : cells)
+        for (const int v : cell)
+            for (const int w : cell)
+                if (v != w)
+                    around[v].push_back(w);
+    for (auto &list : around) {
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    return around;
+}
+
+} // namespace
+
+double unit_sag(double k1, double k2) {
+    const double a = std::fabs(k1);
+    const double b = std::fabs(k2);
+    return k1 * k2 > 0.0 ? std::max(a, b) / 8.0 + std::min(a, b) / 24.0 : (a + b) / 8.0;
+}
+
+Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
+               std::span<const double> wanted, const Workers &workers)
+    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true) {
+    make_input_sizes(wanted);
+    const auto &points = reference.data().points;
+    limit_.resize(points.size());
+    workers.for_each(points.size(), 512, [&](std::size_t v) { limit_[v] = form.coarsen * input_size(points[v]); });
+    limit_by_places(); // not of the surface's own sizes, which grow slower with the distance and over large triangles
+    limit_by_thickness(workers);
+    surface = limit_;
+    limit_by_curvature();
+    limit_by_bends();
+    limit_by_creases();
+    if (form.sharp)
+        limit_by_sharp_edges();
+    grade();
+}
+
+void Sizing::make_input_sizes(std::span<const double> wanted) {
+    const std::size_t count = mesh_.points.size();
+    std::vector<double> volume(count, 0.0);
+    std::vector<double> tets(count, 0.0);
+    double all = 0.0;
+    for (const auto &[a, b, c, d] : mesh_.tets) {
+        const Vec3 &p = mesh_.points[a];
+        const double v = std::fabs(dot(cross(mesh_.points[b] - p, mesh_.points[c] - p), mesh_.points[d] - p)) / 6.0;
+        all += v;
+        for (const int at : {a, b, c, d}) {
+            volume[at] += v;
+            tets[at] += 1.0;
+        }
+    }
+    // n BCC tets of cell a fill n a^3 / 12.
+    const auto cell = [](double v, double n) { return std::cbrt(12.0 * v / n); };
+    input_.assign(count, 0.0);
+    if (!wanted.empty()) {
+        input_.assign(wanted.begin(), wanted.end());
+    } else {
+        for (std::size_t v = 0; v < count; ++v)
+            input_[v] = tets[v] > 0.0 ? cell(volume[v], tets[v]) / kCellPerEdge : kInfinity;
+    }
+    const auto around = neighbours(mesh_.tets, count);
+    const int passes = wanted.empty() ? 4 : 0;
+    for (int pass = 0; pass < passes; ++pass) { // a mesher's sizes scatter; the lattice wants them smooth
+        auto smooth = input_;
+        for (std::size_t v = 0; v < count; ++v) {
+            if (around[v].empty())
+                continue;
+            double sum = std::log(input_[v]);
+            for (const int w : around[v])
+                sum += std::log(input_[w]);
+            smooth[v] = std::exp(sum / static_cast<double>(around[v].size() + 1));
+        }
+        input_ = std::move(smooth);
+    }
+    smallest_ = kInfinity;
+    largest_ = 0.0;
+    for (std::size_t v = 0; v < count; ++v)
+        if (tets[v] > 0.0) {
+            smallest_ = std::min(smallest_, input_[v]);
+            largest_ = std::max(largest_, input_[v]);
+        }
+    // What is uniform but for scatter is treated as uniform: then the lattice is one piece.
+    uniform_ = largest_ < 1.5 * smallest_;
+    if (uniform_) {
+        const double one = wanted.empty() ? cell(all, static_cast<double>(mesh_.tets.size())) / kCellPerEdge
+                                          : 0.5 * (smallest_ + largest_);
+        input_.assign(count, one);
+        smallest_ = largest_ = one;
+    } else {
+        limit_gradient(input_, mesh_.points, around, form_.inner_grade);
+    }
+}
+
+void Sizing::limit_by_places() {
+    constexpr double reach = 2.0; // in sizes, as far as they do not grow
+    if (form_.limits.empty())
+        return;
+    uniform_ = false;
+    for (std::size_t v = 0; v < input_.size(); ++v)
+        for (const SizeLimit &limit : form_.limits) {
+            const double beyond = std::max(0.0, norm(mesh_.points[v] - limit.at) - reach * limit.size);
+            input_[v] = std::min(input_[v], limit.size + form_.inner_grade * beyond);
+        }
+    for (const auto &tet : mesh_.tets)
+        for (const int v : tet)
+            smallest_ = std::min(smallest_, input_[v]);
+}
+
+void Sizing::limit_by_curvature() {
+    const auto lower = [&](int vertex, double sag) {
+        if (sag > 0.0)
+            surface[vertex] = std::min(surface[vertex], std::sqrt(form_.sag * form_.tolerance / sag));
+    };
+    for (int w = 0; w < reference_.wedges(); ++w)
+        lower(reference_.wedge_vertex(w), unit_sag(reference_.curvature(w)[0], reference_.curvature(w)[1]));
+    for (const Curve &curve : reference_.curves())
+        for (std::size_t k = 0; k < curve.vertices.size(); ++k)
+            lower(curve.vertices[k], norm(curve.bend[k]) / 8.0);
+}
+
+void Sizing::limit_by_bends() {
+    constexpr double bent = 0.574;   // cosine of 55 degrees
+    constexpr double shortest = 4.0; // in tolerances
+    struct Side {
+        std::array<int, 2> ends; // wedges: those on either side of a crease differ
+        int triangle;
+        bool forward; // runs from the first end to the second
+    };
+    const auto &data = reference_.data();
+    std::vector<Side> sides;
+    for (int t = 0; t < static_cast<int>(data.triangles.size()); ++t)
+        for (int k = 0; k < 3 && !reference_.planar(data.patch[t]); ++k) {
+            const int from = reference_.wedge(t, k), to = reference_.wedge(t, (k + 1) % 3);
+            sides.push_back({{std::min(from, to), std::max(from, to)}, t, from < to});
+        }
+    std::sort(sides.begin(), sides.end(),
+              [](const Side &a, const Side &b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });
+    const double deep = form_.sag * form_.tolerance;
+    for (std::size_t s = 1; s < sides.size(); ++s) {
+        const int t = sides[s - 1].triangle, u = sides[s].triangle;
+        // Triangles of an interface or a sheet inside may run either way.
+        const double turned = sides[s].forward == sides[s - 1].forward ? -1.0 : 1.0;
+        const double cosine = std::clamp(turned * dot(reference_.normal(t), reference_.normal(u)), -1.0, 1.0);
+        if (sides[s].ends != sides[s - 1].ends || cosine > bent)
+            continue;
+        const int v = reference_.wedge_vertex(sides[s].ends[0]), w = reference_.wedge_vertex(sides[s].ends[1]);
+        const double base = norm(data.points[w] - data.points[v]);
+        const double height = 2.0 * std::min(reference_.area(t), reference_.area(u)) / base;
+        const double half_sine = std::sqrt(0.5 * (1.0 - cosine)), half_cosine = std::sqrt(0.5 * (1.0 + cosine));
+        if (!(height * half_sine > deep)) // noise: nothing there is too deep
+            continue;
+        // A facet's edge of length l is l / 2 tan(bend / 2) deep at most, and half of that where it crosses by chance.
+        const double most = std::max(4.0 * deep * half_cosine / half_sine, shortest * form_.tolerance);
+        surface[v] = std::min(surface[v], most);
+        surface[w] = std::min(surface[w], most);
+    }
+}
+
+void Sizing::limit_by_creases() {
+    const auto &points = reference_.data().points;
+    for (const Curve &curve : reference_.curves()) {
+        double length = 0.0;
+        for (int k = 0; k < curve.steps(); ++k)
+            length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
+        const double most = std::max(length / curve.least_edges(), form_.narrowest * form_.tolerance);
+        for (const int v : curve.vertices)
+            surface[v] = std::min(surface[v], most);
+    }
+}
+
+SharpFoot Sizing::closing(const SharpEdges &edges, const Vec3 &p, double width, double least) {
+    constexpr double slack = 1.5;
+    const SharpFoot foot = edges.nearest(p, slack * width / least);
+    return foot.edge >= 0 && slack * width > edges.narrow(foot.edge) * foot.distance ? foot : SharpFoot{};
+}
+
+bool Sizing::notched(const Vec3 &p, double gap) const {
+    const SharpFoot foot = closing(notches_, p, gap, kNarrowestNotch);
+    return foot.edge >= 0 && notches_.narrow(foot.edge) > kNarrowestNotch;
+}
+
+bool Sizing::tapered(const Vec3 &p, double thickness) const {
+    return closing(sharp_, p, thickness, 0.25).edge >= 0; // 14 degrees
+}
+
+Sizing::Thickness Sizing::thickness_at(int triangle) const {
+    // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
+    constexpr int kRays = 9;
+    constexpr double kCone = 0.5235987755982988; // 30 degrees
+    constexpr double kParallel = -0.8;           // cosine between normals of a wall's sides
+    const auto &data = reference_.data();
+    const Vec3 &n = reference_.normal(triangle);
+    const auto &[a, b, c] = data.triangles[triangle];
+    const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
+    const Vec3 u = across(n);
+    const Vec3 v = cross(n, u);
+    double thin = kInfinity, inside = kInfinity;
+    for (int side = 0; side < 2; ++side) {
+        // Across a gap outside no tets are wanted: facets only must be too small to reach over.
+        const bool outside = data.sides[data.patch[triangle]][side] < 0;
+        std::array<double, kRays> hits, walls;
+        for (int j = 0; j < kRays; ++j) {
+            const double tilt = j == 0 ? 0.0 : kCone;
+            const double turn = 6.283185307179586 * j / (kRays - 1) + 0.1;
+            const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
+            const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
+            int hit = -1;
+            const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
+            const bool opposite =
+                hit >= 0 && dot(reference_.normal(hit), n) < -0.5 && !(outside && notched(center, far));
+            hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
+            walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
+        }
+        std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
+        std::nth_element(walls.begin(), walls.begin() + 3, walls.end());
+        const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
+        thin = std::min(thin, outside ? narrow : hits[3]);
+        if (!outside)
+            inside = std::min(inside, walls[3]);
+    }
+    return {std::min(thin, reference_.diagonal()), inside};
+}
+
+void Sizing::limit_by_thickness(const Workers &workers) {
+    const auto &data = reference_.data();
+    std::vector<double> thin(data.triangles.size());
+    std::vector<char> measured(data.triangles.size(), 0);
+    inside_.assign(data.triangles.size(), kInfinity);
+    workers.for_each(thin.size(), 64, [&](std::size_t t) {
+        const auto &[a, b, c] = data.triangles[t];
+        const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
+        const double size = std::max({limit_[a], limit_[b], limit_[c]});
+        measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
+        if (measured[t]) {
+            const Thickness here = thickness_at(static_cast<int>(t));
+            thin[t] = here.limit;
+            if (here.inside < kInfinity && !tapered(center, here.inside))
+                inside_[t] = here.inside;
+        }
+    });
+    std::vector<double> sum(data.points.size(), 0.0);
+    std::vector<double> weight(data.points.size(), 0.0);
+    for (std::size_t t = 0; t < thin.size(); ++t)
+        if (measured[t])
+            for (const int at : data.triangles[t]) {
+                sum[at] += reference_.area(static_cast<int>(t)) * thin[t];
+                weight[at] += reference_.area(static_cast<int>(t));
+            }
+    for (std::size_t v = 0; v < sum.size(); ++v)
+        if (weight[v] > 0.0)
+            limit_[v] = std::min(limit_[v], form_.thickness * sum[v] / weight[v]);
+}
+
+void Sizing::limit_by_sharp_edges() {
+    std::vector<double> narrow(surface.size(), 1.0);
+    for (int edge = 0; edge < sharp_.count(); ++edge)
+        for (const int v : sharp_.ends(edge))
+            narrow[v] = std::min(narrow[v], sharp_.narrow(edge));
+    for (std::size_t v = 0; v < surface.size(); ++v)
+        surface[v] *= narrow[v];
+}
+
+double Sizing::clearance(const SharpFoot &foot) const {
+    constexpr double thick = 0.8; // the region there, in edges along the crease
+    const auto &[v, w] = sharp_.ends(foot.edge);
+    return thick * ((1.0 - foot.along) * surface[v] + foot.along * surface[w]) / sharp_.narrow(foot.edge);
+}
+
+SharpFoot Sizing::cleared_by(const Vec3 &p) const {
+    if (sharp_.empty())
+        return {};
+    const SharpFoot foot = sharp_.nearest(p, form_.coarsen * largest_);
+    return foot.edge >= 0 && foot.distance < clearance(foot) ? foot : SharpFoot{};
+}
+
+void Sizing::grade() {
+    const auto &data = reference_.data();
+    limit_gradient(surface, data.points, neighbours(data.triangles, data.points.size()), form_.surface_grade);
+    // The few layers of a wall no thicker than this are made at one size: where its middle has longer edges than its
+    // sides, tets there are mostly bad.
+    constexpr double thick = 2.0; // sizes
+    flat_.assign(data.triangles.size(), 0.0);
+    std::vector<double> sizes, from;
+    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+        const auto &[a, b, c] = data.triangles[t];
+        const double size = std::min({surface[a], surface[b], surface[c]});
+        if (inside_[t] < thick * size)
+            flat_[t] = 0.5 * inside_[t];
+        sizes.push_back(size);
+        from.push_back(size - form_.inner_grade * flat_[t]);
+        smallest_ = std::min(smallest_, size);
+    }
+    least_ = reference_.tree().smallest(sizes);
+    least_from_ = reference_.tree().smallest(from);
+}
+
+double Sizing::input_size(const Vec3 &p) const {
+    if (uniform_)
+        return input_.front();
+    const Place place = map_.find_or_nearest(p);
+    double size = 0.0;
+    for (int k = 0; k < 4; ++k)
+        size += place.weight[k] * input_[mesh_.tets[place.tet][k]];
+    return size;
+}
+
+double Sizing::on_surface(const Foot &foot) const {
+    const auto &t = reference_.data().triangles[foot.triangle];
+    return foot.weight[0] * surface[t[0]] + foot.weight[1] * surface[t[1]] + foot.weight[2] * surface[t[2]];
+}
+
+double Sizing::at(const Vec3 &p) const {
+    const auto &data = reference_.data();
+    const double most = form_.coarsen * input_size(p);
+    const geometry::BoxTree &tree = reference_.tree();
+    const double grade = form_.inner_grade;
+    return tree.minimise(
+        most,
+        [&](std::size_t node) {
+            return std::max(least_[node], least_from_[node] + grade * std::sqrt(tree.box(node).square(p)));
+        },
+        [&](std::size_t item, double) {
+            const auto &[a, b, c] = data.triangles[item];
+            const geometry::TrianglePoint q =
+                geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
+            return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
+                   grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
+        });
+}
+
+} // namespace wct::domain

@@ -1,0 +1,121 @@
+#pragma once
+
+#include "base/parallel.h"
+#include "domain/reference.h"
+#include "domain/region_map.h"
+#include "domain/sharp_edges.h"
+
+#include <span>
+#include <vector>
+
+namespace wct::domain {
+
+/// The edge length is to be no more than this round a place, and to grow from there.
+struct SizeLimit {
+    Vec3 at;
+    double size;
+};
+
+struct SizingForm {
+    double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
+    double thickness = 0.8; // size per local thickness
+    double gap = 1.0;       // size per distance to the other side of a gap outside
+    bool sharp = true;      // shorter edges along sharp edges
+    double coarsen = 1.0;   // how far inside sizes may exceed the input's own
+    std::vector<SizeLimit> limits;
+
+    static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
+    /// Gap, and crease, that is told apart by sizes, in tolerances: in folds gaps go to nothing.
+    static constexpr double narrowest = 8.0;
+    static constexpr double surface_grade = 0.15; // growth of the size per distance, along the surface
+    static constexpr double inner_grade = 0.3;    // and inside
+};
+
+/// Ratio of the boundary's edge length to the cell of the BCC lattice that goes with it.
+inline constexpr double kCellPerEdge = 1.0 / 1.05;
+
+/// Target edge length everywhere.
+///
+/// Near the surface, and all through thin walls, it is what curvature, thickness, the lengths of creases and the input
+/// allow, from there it grows with the depth, up to the input's own local size: the edge of the lattice that has as
+/// many tets per volume as the input has there.
+class Sizing {
+  public:
+    /// Gaps outside limit sizes, but for those whose sides meet at no less than this: 2 sin of half of 11 degrees.
+    static constexpr double kNarrowestNotch = 0.2;
+
+    /// `wanted`: edge length per input point; empty: the input's own.
+    Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
+           std::span<const double> wanted, const Workers &workers);
+
+    double at(const Vec3 &p) const;
+    double on_surface(const Foot &foot) const;
+    double input_size(const Vec3 &p) const;
+    double smallest() const { return smallest_; }
+    double largest() const { return largest_; }
+    const SizingForm &form() const { return form_; }
+    const SharpEdges &sharp() const { return sharp_; }
+    /// The same of what is outside.
+    const SharpEdges &notches() const { return notches_; }
+    /// How far from a sharp edge the first vertices off it belong.
+    double clearance(const SharpFoot &foot) const;
+    /// The sharp edge within whose clearance p is, if it is in one.
+    SharpFoot cleared_by(const Vec3 &p) const;
+
+    /// Edge length per reference vertex. After changing it call grade().
+    std::vector<double> surface;
+    void grade();
+
+    /// What thickness and the input allow at a reference vertex, whatever the curvature.
+    double limit(std::size_t vertex) const { return limit_[vertex]; }
+
+  private:
+    void make_input_sizes(std::span<const double> wanted);
+    void limit_by_places();
+    void limit_by_curvature();
+    /// Where a patch bends between two large triangles, curvature, which is smoothed, says too little: no facet may cut
+    /// across the edge so far from its end that it is too deep there.
+    void limit_by_bends();
+    /// No crease is shorter than the edges it must have: where edges round its ends are longer, tets there are too few
+    /// to open the angles between its neighbours.
+    void limit_by_creases();
+    /// Not near sharp edges, where thickness goes to nothing.
+    void limit_by_thickness(const Workers &workers);
+    /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
+    void limit_by_sharp_edges();
+    /// What thickness and gaps at a triangle allow, and the thickness of a wall inside there.
+    struct Thickness {
+        double limit;
+        double inside;
+    };
+    Thickness thickness_at(int triangle) const;
+    /// The edge near p at which sides so far apart there meet, none if they do not. It is looked for as far as at
+    /// `least` (2 sin of half the angle between the sides) it may be.
+    static SharpFoot closing(const SharpEdges &edges, const Vec3 &p, double width, double least);
+    /// Whether a gap outside is no wider only since its sides meet near p: facets there do not reach across.
+    bool notched(const Vec3 &p, double gap) const;
+    /// Whether what is inside is no thicker only since its sides meet near p.
+    bool tapered(const Vec3 &p, double thickness) const;
+
+    const Reference &reference_;
+    const InputMesh &mesh_;
+    const RegionMap &map_;
+    SizingForm form_;
+    SharpEdges sharp_;
+    SharpEdges notches_;
+    std::vector<double> input_; // per input point
+    bool uniform_ = false;
+    std::vector<double> limit_;
+    std::vector<double> inside_; // thickness of walls per triangle, infinite where none is
+    std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow
+    // Per node of the reference's tree: of sizes, and of those that would grow from the surface on to the same.
+    std::vector<double> least_, least_from_;
+    double smallest_ = 0.0;
+    double largest_ = 0.0;
+};
+
+/// Sag of an equilateral facet of unit edge over a surface with these principal curvatures: how far it leaves the
+/// surface to one side, or to both together where the surface is a saddle.
+double unit_sag(double k1, double k2);
+
+} // namespace wct::domain

@@ -1,0 +1,162 @@
+#include "geometry/box_tree.h"
+
+#include <cmath>
+#include <numeric>
+
+namespace wct::geometry {
+
+namespace {
+
+double along(const Vec3 &v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+} // namespace
+
+BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
+    std::iota(items_.begin(), items_.end(), 0);
+    nodes_.reserve(boxes.size());
+    if (!boxes.empty())
+        build(boxes, 0, static_cast<std::int32_t>(boxes.size()));
+}
+
+std::int32_t BoxTree::build(std::span<const Box> boxes, std::int32_t first, std::int32_t last) {
+    const auto id = static_cast<std::int32_t>(nodes_.size());
+    nodes_.emplace_back();
+    Box box;
+    Box centers;
+    for (std::int32_t i = first; i < last; ++i) {
+        const Box &b = boxes[static_cast<std::size_t>(items_[static_cast<std::size_t>(i)])];
+        box.add(b);
+        centers.add(b.center());
+    }
+    Node node{box, first, last, -1};
+    if (last - first > 4) {
+        const Vec3 extent = centers.hi - centers.lo;
+        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+        const std::int32_t middle = first + (last - first) / 2;
+        std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + last,
+                         [&](std::int32_t i, std::int32_t j) {
+                             const double x = along(boxes[static_cast<std::size_t>(i)].center(), axis);
+                             const double y = along(boxes[static_cast<std::size_t>(j)].center(), axis);
+                             return x != y ? x < y : i < j;
+                         });
+        build(boxes, first, middle);
+        node.right = build(boxes, middle, last);
+    }
+    nodes_[static_cast<std::size_t>(id)] = node;
+    return id;
+}
+
+std::vector<double> BoxTree::smallest(std::span<const double> values) const {
+    std::vector<double> out(nodes_.size());
+    for (std::size_t k = nodes_.size(); k-- > 0;) {
+        const Node &node = nodes_[k];
+        if (node.right < 0) {
+            double least = std::numeric_limits<double>::infinity();
+            for (std::int32_t i = node.first; i < node.last; ++i)
+                least = std::min(least, values[static_cast<std::size_t>(items_[static_cast<std::size_t>(i)])]);
+            out[k] = least;
+        } else {
+            out[k] = std::min(out[k + 1], out[static_cast<std::size_t>(node.right)]);
+        }
+    }
+    return out;
+}
+
+SegmentPoint nearest_on_segment(const Vec3 &p, const Vec3 &a, const Vec3 &b) {
+    const Vec3 d = b - a;
+    const double length = dot(d, d);
+    const double t = length > 0.0 ? std::clamp(dot(p - a, d) / length, 0.0, 1.0) : 0.0;
+    const Vec3 q = a + t * d;
+    return {q, t, dot(p - q, p - q)};
+}
+
+TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
+    const auto at = [&](double u, double v, double w) {
+        TrianglePoint out{u * a + v * b + w * c, {u, v, w}, 0.0};
+        const Vec3 d = p - out.point;
+        out.square = dot(d, d);
+        return out;
+    };
+    // The seven Voronoi regions of a triangle, vertices first (Ericson, "Real-Time Collision Detection", 5.1.5).
+    const Vec3 ab = b - a;
+    const Vec3 ac = c - a;
+    const Vec3 ap = p - a;
+    const double d1 = dot(ab, ap);
+    const double d2 = dot(ac, ap);
+    if (d1 <= 0.0 && d2 <= 0.0)
+        return at(1.0, 0.0, 0.0);
+    const Vec3 bp = p - b;
+    const double d3 = dot(ab, bp);
+    const double d4 = dot(ac, bp);
+    if (d3 >= 0.0 && d4 <= d3)
+        return at(0.0, 1.0, 0.0);
+    const double vc = d1 * d4 - d3 * d2;
+    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+        const double v = d1 / (d1 - d3);
+        return at(1.0 - v, v, 0.0);
+    }
+    const Vec3 cp = p - c;
+    const double d5 = dot(ab, cp);
+    const double d6 = dot(ac, cp);
+    if (d6 >= 0.0 && d5 <= d6)
+        return at(0.0, 0.0, 1.0);
+    const double vb = d5 * d2 - d1 * d6;
+    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+        const double w = d2 / (d2 - d6);
+        return at(1.0 - w, 0.0, w);
+    }
+    const double va = d3 * d6 - d5 * d4;
+    if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+        const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return at(0.0, 1.0 - w, w);
+    }
+    const double scale = 1.0 / (va + vb + vc);
+    const double v = vb * scale;
+    const double w = vc * scale;
+    return at(1.0 - v - w, v, w);
+}
+
+double with_room(double square, double scale) {
+    const double far = std::sqrt(square);
+    const double above = far + 1e-14 * (far + scale);
+    return std::max(above * above, std::numeric_limits<double>::min()); // what underflows must stay above a hit of 0
+}
+
+double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
+    constexpr double kMiss = std::numeric_limits<double>::infinity();
+    constexpr double kSlack = 1e-9; // a ray through an edge must not slip between its two triangles
+    const Vec3 e1 = b - a;
+    const Vec3 e2 = c - a;
+    const Vec3 h = cross(d, e2);
+    const double det = dot(e1, h);
+    if (det == 0.0)
+        return kMiss;
+    const Vec3 s = p - a;
+    const double u = dot(s, h) / det;
+    if (u < -kSlack || u > 1.0 + kSlack)
+        return kMiss;
+    const Vec3 q = cross(s, e1);
+    const double v = dot(d, q) / det;
+    if (v < -kSlack || u + v > 1.0 + kSlack)
+        return kMiss;
+    const double t = dot(e2, q) / det;
+    return t > least ? t : kMiss;
+}
+
+bool ray_box(const Vec3 &p, const Vec3 &inverse, double most, const Box &box) {
+    double near = 0.0;
+    double far = most;
+    for (int axis = 0; axis < 3; ++axis) {
+        double u = (along(box.lo, axis) - along(p, axis)) * along(inverse, axis);
+        double v = (along(box.hi, axis) - along(p, axis)) * along(inverse, axis);
+        if (u > v)
+            std::swap(u, v);
+        near = std::max(near, u); // a NaN (0 * infinity, the ray in a face's plane) leaves near and far as they are
+        far = std::min(far, v);
+    }
+    return near <= far;
+}
+
+} // namespace wct::geometry

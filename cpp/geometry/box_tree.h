@@ -1,0 +1,151 @@
+#pragma once
+
+#include "base/vec3.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace wct::geometry {
+
+struct Box {
+    Vec3 lo{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+            std::numeric_limits<double>::infinity()};
+    Vec3 hi{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+            -std::numeric_limits<double>::infinity()};
+
+    void add(const Vec3 &p) {
+        lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+        hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+    }
+    void add(const Box &b) {
+        add(b.lo);
+        add(b.hi);
+    }
+    Vec3 center() const { return 0.5 * (lo + hi); }
+    double diagonal() const { return norm(hi - lo); }
+    bool contains(const Vec3 &p) const {
+        return p.x >= lo.x && p.x <= hi.x && p.y >= lo.y && p.y <= hi.y && p.z >= lo.z && p.z <= hi.z;
+    }
+    /// Squared distance of a point to the box, 0 inside.
+    double square(const Vec3 &p) const {
+        const double x = std::max({0.0, lo.x - p.x, p.x - hi.x});
+        const double y = std::max({0.0, lo.y - p.y, p.y - hi.y});
+        const double z = std::max({0.0, lo.z - p.z, p.z - hi.z});
+        return x * x + y * y + z * z;
+    }
+};
+
+/// A bounding-volume tree over boxes. It knows no geometry: the callers measure their own items.
+class BoxTree {
+  public:
+    BoxTree() = default;
+    explicit BoxTree(std::span<const Box> boxes);
+
+    bool empty() const { return nodes_.empty(); }
+    std::size_t nodes() const { return nodes_.size(); }
+    const Box &box(std::size_t node) const { return nodes_[node].box; }
+
+    /// The smallest `value(item)` that is below `best`. `bound(node)` must be at most the value of every item below
+    /// that node. Ties go to the item visited first, so the answer does not depend on anything but the input.
+    template <class Bound, class Value> double minimise(double best, const Bound &bound, const Value &value) const {
+        if (nodes_.empty())
+            return best;
+        struct Entry {
+            double bound;
+            std::int32_t node;
+        };
+        std::array<Entry, kDepth> stack;
+        std::size_t top = 0;
+        stack[top++] = {bound(std::size_t{0}), 0};
+        while (top) {
+            const Entry entry = stack[--top];
+            if (!(entry.bound < best))
+                continue;
+            const Node &node = nodes_[static_cast<std::size_t>(entry.node)];
+            if (node.right < 0) {
+                for (std::int32_t i = node.first; i < node.last; ++i)
+                    best = std::min(best, value(static_cast<std::size_t>(items_[static_cast<std::size_t>(i)]), best));
+                continue;
+            }
+            const Entry left{bound(static_cast<std::size_t>(entry.node) + 1), entry.node + 1};
+            const Entry right{bound(static_cast<std::size_t>(node.right)), node.right};
+            const bool swap = right.bound < left.bound;
+            stack[top++] = swap ? left : right;
+            stack[top++] = swap ? right : left;
+        }
+        return best;
+    }
+
+    /// Visit the items of every leaf whose path of boxes `inside(box)` accepts, until `visit(item)` returns true.
+    template <class Inside, class Visit> bool visit(const Inside &inside, const Visit &visit) const {
+        if (nodes_.empty())
+            return false;
+        std::array<std::int32_t, kDepth> stack;
+        std::size_t top = 0;
+        stack[top++] = 0;
+        while (top) {
+            const std::int32_t at = stack[--top];
+            const Node &node = nodes_[static_cast<std::size_t>(at)];
+            if (!inside(node.box))
+                continue;
+            if (node.right < 0) {
+                for (std::int32_t i = node.first; i < node.last; ++i)
+                    if (visit(static_cast<std::size_t>(items_[static_cast<std::size_t>(i)])))
+                        return true;
+                continue;
+            }
+            stack[top++] = node.right;
+            stack[top++] = at + 1;
+        }
+        return false;
+    }
+
+    /// Per node the smallest of the items' values below it.
+    std::vector<double> smallest(std::span<const double> values) const;
+
+  private:
+    /// Median splits keep the depth near log2(n / 4): 128 entries outlast any input that fits memory.
+    static constexpr std::size_t kDepth = 128;
+    struct Node {
+        Box box;
+        std::int32_t first = 0;
+        std::int32_t last = 0;
+        std::int32_t right = -1; // the left child follows its parent; -1 marks a leaf
+    };
+    std::int32_t build(std::span<const Box> boxes, std::int32_t first, std::int32_t last);
+
+    std::vector<Node> nodes_;
+    std::vector<std::int32_t> items_;
+};
+
+/// The point of a triangle nearest to p, with its barycentric coordinates.
+struct TrianglePoint {
+    Vec3 point;
+    double weight[3];
+    double square; // squared distance to p
+};
+/// The same of a segment from a to b.
+struct SegmentPoint {
+    Vec3 point;
+    double along; // 0 at a, 1 at b
+    double square;
+};
+SegmentPoint nearest_on_segment(const Vec3 &p, const Vec3 &a, const Vec3 &b);
+TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
+
+/// A squared distance a hair above this one, which rounding cannot carry a nearer point across. `scale`: the largest
+/// coordinate.
+double with_room(double square, double scale);
+
+/// Distance along the ray p + t d, t > least, to the triangle; infinity if it misses.
+double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c);
+
+/// Does the line p + t d, 0 <= t <= most, meet the box? `inverse` holds 1/d per axis.
+bool ray_box(const Vec3 &p, const Vec3 &inverse, double most, const Box &box);
+
+} // namespace wct::geometry

@@ -1,0 +1,286 @@
+#include "refill/pinned_facets.h"
+
+#include "delaunay/cocircular_diagonals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace wct::refill {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Sort three numbers; true if the order's sense was kept.
+bool ascend(Facet &f) {
+    bool even = true;
+    const auto order = [&](int i, int j) {
+        if (f[i] > f[j]) {
+            std::swap(f[i], f[j]);
+            even = !even;
+        }
+    };
+    order(0, 1);
+    order(1, 2);
+    order(0, 1);
+    return even;
+}
+
+} // namespace
+
+PinnedFacets::PinnedFacets(const domain::InputMesh &mesh, std::span<const Facet> facets,
+                           const std::vector<char> &pinned, std::span<const Edge> edges, bool squares)
+    : mesh_(mesh), pinned_(pinned), squares_(squares), facets_(facets.begin(), facets.end()),
+      kept_(mesh.tets.size(), 0) {
+    for (Facet &facet : facets_)
+        ascend(facet);
+    std::sort(facets_.begin(), facets_.end());
+    // Edges away from the facets have nothing that holds them in a triangulation.
+    std::vector<Edge> held, loose;
+    for (const auto &[a, b, c] : facets_)
+        for (const Edge &edge : {Edge{a, b}, Edge{a, c}, Edge{b, c}})
+            held.push_back(edge);
+    std::sort(held.begin(), held.end());
+    for (const auto &[a, b] : edges)
+        if (const Edge edge{std::min(a, b), std::max(a, b)}; !std::binary_search(held.begin(), held.end(), edge))
+            loose.push_back(edge);
+    std::sort(loose.begin(), loose.end());
+    for (std::size_t t = 0; t < mesh.tets.size() && !loose.empty(); ++t)
+        for (const auto &e : kEdges) {
+            const int a = mesh.tets[t][e[0]], b = mesh.tets[t][e[1]];
+            if (std::binary_search(loose.begin(), loose.end(), Edge{std::min(a, b), std::max(a, b)}))
+                kept_[t] = 1;
+        }
+    std::vector<char> missing;
+    do {
+        kept_count_ = static_cast<std::size_t>(std::count(kept_.begin(), kept_.end(), 1));
+        if (keeps_all())
+            return;
+        gather();
+        std::vector<Vec3> at;
+        for (const int v : points_)
+            at.push_back(mesh.points[v]);
+        delaunay::Triangulation all = delaunay::delaunay(at);
+        recover(all, at);
+        protect(all, missing);
+    } while (keep_behind(missing));
+    std::vector<geometry::Box> boxes;
+    for (const Ball &ball : balls_) {
+        const Vec3 reach{ball.radius, ball.radius, ball.radius};
+        geometry::Box box;
+        box.add(ball.center - reach);
+        box.add(ball.center + reach);
+        boxes.push_back(box);
+    }
+    tree_ = geometry::BoxTree(boxes);
+}
+
+/// The facets between what is kept and what is not, with what lies on either side.
+void PinnedFacets::gather() {
+    struct Half {
+        Facet facet;
+        int tet;
+        bool above; // the facet's normal points into the tet
+    };
+    std::vector<Half> halves;
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
+        for (const auto &f : kFacets) {
+            const auto &tet = mesh_.tets[t];
+            Half half{{tet[f[0]], tet[f[1]], tet[f[2]]}, static_cast<int>(t), false};
+            half.above = ascend(half.facet);
+            halves.push_back(half);
+        }
+    std::sort(halves.begin(), halves.end(),
+              [](const Half &a, const Half &b) { return std::tie(a.facet, a.tet) < std::tie(b.facet, b.tet); });
+    sides_.clear();
+    behind_.clear();
+    std::vector<char> used(mesh_.points.size(), 0);
+    for (std::size_t k = 0, end = 0; k < halves.size(); k = end) {
+        Sides sides{halves[k].facet};
+        std::array<int, 2> open{-1, -1};
+        bool some_kept = false;
+        for (end = k; end < halves.size() && halves[end].facet == halves[k].facet; ++end) {
+            if (kept_[halves[end].tet]) {
+                some_kept = true;
+                continue;
+            }
+            sides.region[halves[end].above] = mesh_.region[halves[end].tet];
+            open[halves[end].above] = halves[end].tet;
+        }
+        if (open == std::array{-1, -1} ||
+            !(some_kept || std::binary_search(facets_.begin(), facets_.end(), sides.facet)))
+            continue;
+        for (const int v : sides.facet)
+            used[v] = 1;
+        sides_.push_back(sides);
+        behind_.push_back(open);
+    }
+    for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
+        for (const int v : mesh_.tets[t])
+            if (!kept_[t] && pinned_[v])
+                used[v] = 1;
+    points_.clear();
+    std::vector<int> place(used.size(), -1);
+    for (std::size_t v = 0; v < used.size(); ++v)
+        if (used[v]) {
+            place[v] = static_cast<int>(points_.size());
+            points_.push_back(static_cast<int>(v));
+        }
+    for (Sides &sides : sides_) // places ascend with the points: so do the facets
+        for (int &v : sides.facet)
+            v = place[v];
+}
+
+int PinnedFacets::find(const Facet &facet) const {
+    const auto at = std::lower_bound(sides_.begin(), sides_.end(), facet,
+                                     [](const Sides &sides, const Facet &f) { return sides.facet < f; });
+    return at != sides_.end() && at->facet == facet ? static_cast<int>(at - sides_.begin()) : -1;
+}
+
+std::array<Vec3, 3> PinnedFacets::corners(std::size_t k) const {
+    const auto &[a, b, c] = sides_[k].facet;
+    return {mesh_.points[points_[a]], mesh_.points[points_[b]], mesh_.points[points_[c]]};
+}
+
+template <class Visit> void PinnedFacets::each_pinned(const std::vector<Tet> &tets, const Visit &visit) const {
+    const auto count = static_cast<int>(points_.size());
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        for (int i = 0; i < 4; ++i) {
+            const auto &f = kFacets[i];
+            Facet facet{tets[t][f[0]], tets[t][f[1]], tets[t][f[2]]};
+            if (std::max({facet[0], facet[1], facet[2]}) >= count) // most are, and the look-up is not free
+                continue;
+            const bool above = ascend(facet);
+            if (const int k = find(facet); k >= 0)
+                visit(t, i, k, above);
+        }
+}
+
+void PinnedFacets::recover(delaunay::Triangulation &all, std::span<const Vec3> at) const {
+    if (!squares_)
+        return;
+    constexpr int rounds = 3; // a tet may be beside more than one square
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<char> seen(sides_.size(), 0);
+        each_pinned(all.tets, [&](std::size_t, int, int k, bool) { seen[k] = 1; });
+        std::vector<Facet> missing;
+        for (std::size_t k = 0; k < sides_.size(); ++k)
+            if (!seen[k])
+                missing.push_back(sides_[k].facet);
+        if (delaunay::swap_diagonals(all, at, missing) == 0)
+            return;
+    }
+}
+
+/// Find each facet's ball from the two tets at it in the triangulation of the pinned points alone.
+void PinnedFacets::protect(const delaunay::Triangulation &all, std::vector<char> &missing) {
+    constexpr double room = 1e-6; // between the balls that touch a point on either side, in radii
+    std::vector<std::array<double, 2>> limits(sides_.size(), {-kInfinity, kInfinity});
+    missing.assign(sides_.size(), 1);
+    balls_.assign(sides_.size(), {});
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+        const auto [p, q, r] = corners(k);
+        const Vec3 u = q - p, v = r - p, n = cross(u, v);
+        const Vec3 to = (0.5 / dot(n, n)) * (dot(u, u) * cross(v, n) + dot(v, v) * cross(n, u));
+        balls_[k] = {p + to, norm(to)};
+    }
+    each_pinned(all.tets, [&](std::size_t t, int i, int k, bool above) {
+        missing[k] = 0;
+        const Vec3 n = unit(normal_of(corners(k)));
+        const Vec3 d = mesh_.points[points_[all.tets[t][i]]] - balls_[k].center;
+        // Centers are balls_[k].center + x n; at this x the sphere meets the apex.
+        const double height = dot(n, d), power = dot(d, d) - balls_[k].radius * balls_[k].radius;
+        const double x = height != 0.0 ? 0.5 * power / height : std::copysign(kInfinity, above ? power : -power);
+        limits[k][above] = x;
+    });
+    std::vector<geometry::Box> boxes(points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i)
+        boxes[i].add(mesh_.points[points_[i]]);
+    const geometry::BoxTree near(boxes);
+    const auto empty = [&](const Ball &ball) {
+        const double square = ball.radius * ball.radius * (1.0 - 1e-9);
+        return !near.visit([&](const geometry::Box &box) { return box.square(ball.center) < square; },
+                           [&](std::size_t i) { return boxes[i].square(ball.center) < square; });
+    };
+    for (std::size_t k = 0; k < sides_.size(); ++k) {
+        const auto [lo, hi] = limits[k];
+        Ball &ball = balls_[k];
+        if (missing[k] || !(hi - lo > room * ball.radius)) {
+            // Points on the smallest ball itself, as in squares, leave the choice that swap_diagonals makes.
+            missing[k] = !(squares_ && empty(ball));
+            continue;
+        }
+        const Vec3 n = unit(normal_of(corners(k)));
+        const double inset = std::min(0.5 * (hi - lo), room * ball.radius);
+        const double x = std::clamp(0.0, lo + inset, hi - inset);
+        ball = {ball.center + x * n, std::hypot(ball.radius, x)};
+    }
+}
+
+/// Keep the input tets at facets without a ball; false if there are none.
+bool PinnedFacets::keep_behind(const std::vector<char> &missing) {
+    bool any = false;
+    for (std::size_t k = 0; k < missing.size(); ++k)
+        for (const int t : behind_[k])
+            if (missing[k] && t >= 0) {
+                kept_[t] = 1;
+                any = true;
+            }
+    return any;
+}
+
+bool PinnedFacets::clear(Vec3 &p) const {
+    constexpr int kTries = 12;
+    constexpr double kOut = 1.0 + 1e-4;
+    for (int k = 0; k < kTries; ++k) {
+        int deepest = -1;
+        double share = 1.0;
+        tree_.visit([&](const geometry::Box &box) { return box.contains(p); },
+                    [&](std::size_t at) {
+                        const double here = norm(p - balls_[at].center) / balls_[at].radius;
+                        if (here < share) {
+                            share = here;
+                            deepest = static_cast<int>(at);
+                        }
+                        return false;
+                    });
+        if (deepest < 0)
+            return true;
+        const Ball &ball = balls_[deepest];
+        if (share < 1e-3)
+            return false;
+        p = ball.center + (kOut / share) * (p - ball.center);
+    }
+    return false;
+}
+
+bool PinnedFacets::label(sampling::RestrictedDelaunay &complex, std::span<const Vec3> at) const {
+    recover(complex.all, at);
+    const auto &tets = complex.all.tets;
+    constexpr int kUnknown = -2;
+    complex.region.assign(tets.size(), kUnknown);
+    std::vector<std::uint8_t> wall(tets.size(), 0); // bit i: facet i is pinned
+    std::vector<char> seen(sides_.size(), 0);
+    std::vector<int> queue;
+    each_pinned(tets, [&](std::size_t t, int i, int k, bool above) {
+        seen[k] = 1;
+        wall[t] |= static_cast<std::uint8_t>(1u << i);
+        if (complex.region[t] == kUnknown)
+            queue.push_back(static_cast<int>(t));
+        complex.region[t] = sides_[k].region[above];
+    });
+    for (std::size_t k = 0; k < queue.size(); ++k)
+        for (int i = 0; i < 4; ++i) {
+            const int t = queue[k], next = complex.all.neighbours[t][i];
+            if (next < 0 || (wall[t] >> i & 1) || complex.region[next] != kUnknown)
+                continue;
+            complex.region[next] = complex.region[t];
+            queue.push_back(next);
+        }
+    std::replace(complex.region.begin(), complex.region.end(), kUnknown, -1);
+    return std::find(seen.begin(), seen.end(), 0) == seen.end();
+}
+
+} // namespace wct::refill

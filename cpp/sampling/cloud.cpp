@@ -1,0 +1,206 @@
+#include "sampling/cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace wct::sampling {
+
+namespace {
+
+std::int64_t cell_of(double x, double cell) {
+    return static_cast<std::int64_t>(std::floor(x / cell));
+}
+
+std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
+    constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1; // wraps far away: only costs a few idle comparisons
+    return (static_cast<std::uint64_t>(i) & kMask) << 42 | (static_cast<std::uint64_t>(j) & kMask) << 21 |
+           (static_cast<std::uint64_t>(k) & kMask);
+}
+
+} // namespace
+
+void Cloud::keep(const std::vector<char> &which) {
+    std::size_t to = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (which[i]) {
+            points[to] = points[i];
+            role[to] = role[i];
+            label[to] = label[i];
+            size[to] = size[i];
+            near[to] = near[i];
+            held[to] = held[i];
+            ++to;
+        }
+    points.resize(to);
+    role.resize(to);
+    label.resize(to);
+    size.resize(to);
+    near.resize(to);
+    held.resize(to);
+}
+
+void Cloud::append(const Cloud &other) {
+    points.insert(points.end(), other.points.begin(), other.points.end());
+    role.insert(role.end(), other.role.begin(), other.role.end());
+    label.insert(label.end(), other.label.begin(), other.label.end());
+    size.insert(size.end(), other.size.begin(), other.size.end());
+    near.insert(near.end(), other.near.begin(), other.near.end());
+    held.insert(held.end(), other.held.begin(), other.held.end());
+}
+
+std::vector<int> patches_of(const Cloud &cloud, const domain::Reference &reference, int point) {
+    switch (cloud.role[point]) {
+    case Stratum::patch:
+        return {cloud.label[point]};
+    case Stratum::crease:
+        return reference.patches_at_curve(cloud.label[point]);
+    case Stratum::corner:
+        return reference.patches_at_vertex(cloud.label[point]);
+    case Stratum::interior:
+        break;
+    }
+    return {};
+}
+
+std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points) {
+    std::vector<int> shared = patches_of(cloud, reference, points.front());
+    for (const int point : points.subspan(1)) {
+        const std::vector<int> own = patches_of(cloud, reference, point);
+        std::vector<int> both;
+        std::set_intersection(shared.begin(), shared.end(), own.begin(), own.end(), std::back_inserter(both));
+        shared = std::move(both);
+    }
+    return shared;
+}
+
+bool drop_twins(Cloud &cloud) {
+    std::vector<std::size_t> order(cloud.count());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto key_of = [&](std::size_t i) {
+        const Vec3 &p = cloud.points[i];
+        return std::tuple(p.x, p.y, p.z);
+    };
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        if (key_of(i) != key_of(j))
+            return key_of(i) < key_of(j);
+        return cloud.role[i] != cloud.role[j] ? cloud.role[i] > cloud.role[j] : i < j;
+    });
+    std::vector<char> keep(cloud.count(), 1);
+    bool any = false;
+    for (std::size_t k = 1; k < order.size(); ++k)
+        if (key_of(order[k]) == key_of(order[k - 1])) {
+            keep[order[k]] = 0;
+            any = true;
+        }
+    if (any)
+        cloud.keep(keep);
+    return any;
+}
+
+namespace {
+
+constexpr std::size_t kChunk = 512; // points
+
+/// The point of its patch nearest to a patch point, whose triangle it remembers.
+domain::Foot foot_on_patch(Cloud &cloud, const domain::Reference &reference, std::size_t i) {
+    const domain::Foot foot = reference.nearest(cloud.points[i], cloud.label[i], cloud.near[i]);
+    cloud.near[i] = foot.triangle;
+    return foot;
+}
+
+/// Put a point on its crease or corner; returns the tangent there. Others stay.
+Vec3 retract_to_crease(Cloud &cloud, const domain::Reference &reference, std::size_t i) {
+    if (cloud.role[i] == Stratum::crease)
+        return reference.to_curve(cloud.points[i], cloud.label[i]);
+    if (cloud.role[i] == Stratum::corner)
+        cloud.points[i] = reference.data().points[cloud.label[i]];
+    return {};
+}
+
+} // namespace
+
+void retract(Cloud &cloud, const domain::Reference &reference, const Workers &workers) {
+    workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
+        if (cloud.held[i] == Hold::all)
+            return;
+        if (cloud.role[i] == Stratum::patch)
+            reference.to_patch(cloud.points[i], foot_on_patch(cloud, reference, i));
+        else
+            retract_to_crease(cloud, reference, i);
+    });
+}
+
+void retract_to_shell(Cloud &cloud, const domain::Reference &reference, double shell, std::vector<Vec3> &direction,
+                      const Workers &workers) {
+    direction.assign(cloud.count(), {});
+    workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
+        Vec3 &p = cloud.points[i];
+        const Vec3 before = p;
+        if (cloud.role[i] != Stratum::patch) {
+            direction[i] = retract_to_crease(cloud, reference, i);
+        } else {
+            const domain::Foot foot = foot_on_patch(cloud, reference, i);
+            if (reference.planar(cloud.label[i])) {
+                direction[i] = reference.to_patch(p, foot);
+            } else {
+                if (foot.distance > shell)
+                    p = foot.point + (shell / foot.distance) * (p - foot.point);
+                direction[i] = reference.smooth_normal(foot);
+            }
+        }
+        if (cloud.held[i] == Hold::all)
+            p = before;
+    });
+}
+
+void PointGrid::add(const Vec3 &p, double radius) {
+    const double cell = std::exp2(std::ceil(std::log2(radius)));
+    auto at = levels_.begin();
+    while (at != levels_.end() && at->cell < cell)
+        ++at;
+    if (at == levels_.end() || at->cell != cell)
+        at = levels_.insert(at, Level{cell, {}, {}});
+    at->cells[key(cell_of(p.x, cell), cell_of(p.y, cell), cell_of(p.z, cell))].push_back({p, radius});
+    at->items.push_back({p, radius});
+}
+
+bool PointGrid::crowded(const Vec3 &p, double radius) const {
+    const auto hit = [&](const Item &item) {
+        const Vec3 d = item.point - p;
+        const double limit = 0.5 * (radius + item.radius);
+        return dot(d, d) < limit * limit;
+    };
+    for (const Level &level : levels_) {
+        const double reach = 0.5 * (radius + level.cell); // no radius on this level exceeds its cell
+        const auto lo = [&](double x) { return cell_of(x - reach, level.cell); };
+        const auto hi = [&](double x) { return cell_of(x + reach, level.cell); };
+        const double across = 2.0 * reach / level.cell + 1.0; // cells; far more than points where these are much finer
+        if (across * across * across > static_cast<double>(level.items.size())) {
+            if (std::any_of(level.items.begin(), level.items.end(), hit))
+                return true;
+            continue;
+        }
+        for (auto i = lo(p.x); i <= hi(p.x); ++i)
+            for (auto j = lo(p.y); j <= hi(p.y); ++j)
+                for (auto k = lo(p.z); k <= hi(p.z); ++k) {
+                    const auto found = level.cells.find(key(i, j, k));
+                    if (found != level.cells.end() && std::any_of(found->second.begin(), found->second.end(), hit))
+                        return true;
+                }
+    }
+    return false;
+}
+
+PointGrid surface_grid(const Cloud &cloud, double share) {
+    PointGrid grid;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] != Stratum::interior)
+            grid.add(cloud.points[i], share * cloud.size[i]);
+    return grid;
+}
+
+} // namespace wct::sampling

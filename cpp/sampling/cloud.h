@@ -1,0 +1,80 @@
+#pragma once
+
+#include "base/cells.h"
+#include "base/parallel.h"
+#include "base/vec3.h"
+#include "domain/reference.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace wct::sampling {
+
+/// What leaves a point where it is.
+enum class Hold : std::uint8_t { none, relaxation, all };
+
+/// The points of a mesh in the making.
+struct Cloud {
+    std::vector<Vec3> points;
+    std::vector<Stratum> role;
+    std::vector<int> label;   // patch, curve, vertex of the surface; for interior points their region
+    std::vector<double> size; // wanted edge length
+    std::vector<int> near;    // a triangle of the reference not far from it, -1: none is known
+    std::vector<Hold> held;
+
+    std::size_t count() const { return points.size(); }
+    void add(const Vec3 &p, Stratum s, int l, double h) {
+        points.push_back(p);
+        role.push_back(s);
+        label.push_back(l);
+        size.push_back(h);
+        near.push_back(-1);
+        held.push_back(Hold::none);
+    }
+    void keep(const std::vector<char> &which);
+    void append(const Cloud &other);
+};
+
+/// The patches a point of the cloud belongs to, ascending.
+std::vector<int> patches_of(const Cloud &cloud, const domain::Reference &reference, int point);
+/// The patches all of these points belong to (at least one), ascending.
+std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points);
+
+/// Drop points that coincide with another: of two the one that is freer to move goes, else the later one. True if any
+/// did.
+bool drop_twins(Cloud &cloud);
+
+/// Put every boundary point where its role wants it, on curved patches at their offset.
+void retract(Cloud &cloud, const domain::Reference &reference, const Workers &workers);
+/// The same, but points of curved patches stay where they are within `shell` of their patch. `direction` receives the
+/// patch's normal or the curve's tangent, zero for other points.
+void retract_to_shell(Cloud &cloud, const domain::Reference &reference, double shell, std::vector<Vec3> &direction,
+                      const Workers &workers);
+
+/// Points with a radius each, for asking what is near: one hash grid per power of two of the radius.
+class PointGrid {
+  public:
+    void add(const Vec3 &p, double radius);
+    /// Is a point closer than the mean of its radius and this one?
+    bool crowded(const Vec3 &p, double radius) const;
+
+  private:
+    struct Item {
+        Vec3 point;
+        double radius;
+    };
+    struct Level {
+        double cell;
+        std::unordered_map<std::uint64_t, std::vector<Item>> cells;
+        std::vector<Item> items; // all of them
+    };
+    std::vector<Level> levels_; // ascending cells
+};
+
+/// The surface's points, each with this share of its size for radius.
+PointGrid surface_grid(const Cloud &cloud, double share);
+
+} // namespace wct::sampling

@@ -1,0 +1,292 @@
+#include "sampling/cloud_descent.h"
+
+#include "energy/lbfgs_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wct::sampling {
+
+namespace {
+
+class Objective {
+  public:
+    Objective(const Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
+              const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
+              const FitForm &fit, const std::vector<Tie> &ties)
+        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges), fit_(fit), ties_(ties) {
+        if (edges.weight > 0.0)
+            for (const auto &edge : surface_edges(complex))
+                if (curved[edge[0]] && curved[edge[1]])
+                    edges_.push_back(edge);
+        for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+            if (complex.region[t] >= 0)
+                tets_.push_back(complex.all.tets[t]);
+        // Next to nothing is left of a tet as flat as this: it is for the next triangulation to deal with, and must not
+        // make the energy infinite before anything has moved.
+        constexpr double kHopeless = 2e-2;
+        energy::TetLanes lanes;
+        energy::WorstLanes worst;
+        std::vector<std::array<int, 4>> kept;
+        for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
+            load(cloud.points, first, lanes);
+            energy::measure_worst(lanes, false, worst);
+            for (std::size_t k = first; k < std::min(first + energy::kLanes, tets_.size()); ++k) {
+                const double flatness = worst.flatness[static_cast<int>(k - first)];
+                if (flatness < kHopeless)
+                    continue;
+                kept.push_back(tets_[k]);
+                // A tet that is degenerate already may stay so, but not turn inside out.
+                floors_.push_back(std::min(energy::kDegenerate, 0.5 * flatness));
+            }
+        }
+        tets_ = std::move(kept);
+    }
+
+    /// Of points in units of their sizes. Infinite where a tet would become degenerate; `blocked` then holds the
+    /// corners of all such tets.
+    double operator()(const energy::Field &scaled, energy::Field &gradient, std::vector<int> &blocked) {
+        points_.resize(scaled.size());
+        for (std::size_t i = 0; i < scaled.size(); ++i)
+            points_[i] = cloud_.size[i] * scaled[i];
+        const energy::Field &points = points_;
+        const bool cosines = form_.weight2 > 0.0;
+        gradient.assign(points.size(), {});
+        blocked.clear();
+        double sum = 0.0;
+        energy::TetLanes lanes;
+        energy::TermLanes terms = energy::flatness_terms(0.0);
+        energy::Lanes energy;
+        evaluations_ += tets_.size();
+        for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
+            load(points, first, lanes);
+            for (int lane = 0; lane < energy::kLanes; ++lane)
+                terms.flatness[lane] = floors_[std::min(first + static_cast<std::size_t>(lane), tets_.size() - 1)];
+            energy::measure(lanes, cosines, shape_);
+            energy::penalize(shape_, form_, terms, energy, slopes_);
+            energy::differentiate(lanes, shape_, slopes_, cosines, gradient_);
+            const std::size_t count = std::min<std::size_t>(energy::kLanes, tets_.size() - first);
+            for (std::size_t lane = 0; lane < count; ++lane) {
+                const int l = static_cast<int>(lane);
+                if (!(energy[l] < std::numeric_limits<double>::infinity()))
+                    blocked.insert(blocked.end(), tets_[first + lane].begin(), tets_[first + lane].end());
+                sum += energy[l];
+                for (int k = 0; k < 4; ++k)
+                    gradient[tets_[first + lane][k]] +=
+                        {gradient_.corner[k][0][l], gradient_.corner[k][1][l], gradient_.corner[k][2][l]};
+            }
+        }
+        if (!blocked.empty())
+            return std::numeric_limits<double>::infinity();
+        for (const auto &[v, w] : edges_) {
+            const Vec3 d = points[v] - points[w];
+            const double limit = 0.5 * edge_form_.limit * (cloud_.size[v] + cloud_.size[w]);
+            const double length = norm(d);
+            if (length <= limit)
+                continue;
+            const double over = length / limit - 1.0;
+            sum += edge_form_.weight * over * over;
+            const Vec3 pull = (2.0 * edge_form_.weight * over / (limit * length)) * d;
+            gradient[v] += pull;
+            gradient[w] -= pull;
+        }
+        for (const Tie &tie : ties_) {
+            const auto &[a, b, c] = tie.corner;
+            const auto &[u, v, w] = tie.weight;
+            const double height = dot(tie.normal, u * points[a] + v * points[b] + w * points[c]) - tie.level;
+            const double over = std::fabs(height) / fit_.limit - 1.0;
+            if (over <= 0.0)
+                continue;
+            // Quadratic at first, then linear: what is out of reach does not drown the rest.
+            const double slope = 2.0 * std::min(over, kSteep);
+            sum += fit_.weight * slope * (over - 0.25 * slope);
+            const Vec3 pull = (std::copysign(fit_.weight * slope, height) / fit_.limit) * tie.normal;
+            gradient[a] += u * pull;
+            gradient[b] += v * pull;
+            gradient[c] += w * pull;
+        }
+        for (std::size_t i = 0; i < gradient.size(); ++i)
+            gradient[i] = cloud_.size[i] * gradient[i];
+        project(gradient);
+        return sum;
+    }
+
+    /// The part of a field along which the points may move.
+    void project(energy::Field &field) const {
+        for (std::size_t i = 0; i < field.size(); ++i)
+            switch (cloud_.held[i] != Hold::none ? Stratum::corner : cloud_.role[i]) {
+            case Stratum::interior:
+                break;
+            case Stratum::patch:
+                field[i] -= dot(field[i], direction_[i]) * direction_[i];
+                break;
+            case Stratum::crease:
+                field[i] = dot(field[i], direction_[i]) * direction_[i];
+                break;
+            case Stratum::corner:
+                field[i] = {};
+                break;
+            }
+    }
+
+    std::size_t evaluations() const { return evaluations_; }
+
+  private:
+    static constexpr double kSteep = 0.5;
+
+    void load(const energy::Field &points, std::size_t first, energy::TetLanes &lanes) const {
+        for (std::size_t lane = 0; lane < energy::kLanes; ++lane) {
+            const auto &tet = tets_[std::min(first + lane, tets_.size() - 1)];
+            for (int k = 0; k < 4; ++k)
+                lanes.set(static_cast<int>(lane), k, points[tet[k]]);
+        }
+    }
+
+    const Cloud &cloud_;
+    const std::vector<Vec3> &direction_;
+    const energy::EnergyForm &form_;
+    const EdgeForm &edge_form_;
+    const FitForm &fit_;
+    const std::vector<Tie> &ties_;
+    std::vector<std::array<int, 2>> edges_;
+    std::vector<std::array<int, 4>> tets_;
+    std::vector<double> floors_;
+    energy::Field points_;
+    std::size_t evaluations_ = 0;
+    energy::ShapeLanes shape_;
+    energy::SlopeLanes slopes_;
+    energy::GradientLanes gradient_;
+};
+
+/// Shorten every point's step to `reach` sizes.
+void clip(energy::Field &step, double reach) {
+    for (Vec3 &v : step) {
+        const double far = norm(v);
+        if (far > reach)
+            v = (reach / far) * v;
+    }
+}
+
+/// Against the gradient. The few steepest points, which sit in nearly flat tets, do not set the scale for the rest.
+energy::Field steepest(const energy::Field &gradient, double reach) {
+    std::vector<double> slopes(gradient.size());
+    for (std::size_t i = 0; i < gradient.size(); ++i)
+        slopes[i] = norm(gradient[i]);
+    const auto at = slopes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(slopes.size()));
+    std::nth_element(slopes.begin(), at, slopes.end());
+    const double scale = *at > 0.0 ? *at : *std::max_element(slopes.begin(), slopes.end());
+    energy::Field step = gradient;
+    for (Vec3 &v : step)
+        v = (scale > 0.0 ? -0.3 * reach / scale : 0.0) * v;
+    clip(step, 0.3 * reach);
+    return step;
+}
+
+} // namespace
+
+Tally count_bad(const Cloud &cloud, const RestrictedDelaunay &complex, bool cosines) {
+    Tally tally;
+    energy::TetLanes lanes;
+    energy::WorstLanes worst;
+    int filled = 0;
+    const auto flush = [&] {
+        if (!filled)
+            return;
+        energy::measure_worst(lanes, cosines, worst);
+        for (int l = 0; l < filled; ++l) {
+            tally.bad += !(worst.height[l] > 0.0 && (!cosines || worst.cosine[l] > 0.0));
+            tally.worst_height = std::min(tally.worst_height, worst.height[l]);
+        }
+        filled = 0;
+    };
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        ++tally.tets;
+        for (int k = 0; k < 4; ++k)
+            lanes.set(filled, k, cloud.points[complex.all.tets[t][k]]);
+        if (filled == 0) // spare lanes must hold something harmless
+            for (int l = 1; l < energy::kLanes; ++l)
+                for (int k = 0; k < 4; ++k)
+                    lanes.set(l, k, cloud.points[complex.all.tets[t][k]]);
+        if (++filled == energy::kLanes)
+            flush();
+    }
+    flush();
+    return tally;
+}
+
+std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
+                    const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
+                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach) {
+    constexpr std::size_t kMemory = 8;
+    constexpr int kHalvings = 15;
+    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties);
+    // In units of sizes the energy is equally stiff everywhere, however the sizes vary.
+    energy::Field points = cloud.points;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = (1.0 / cloud.size[i]) * points[i];
+    energy::Field gradient;
+    energy::Field next;
+    energy::Field slope;
+    std::vector<int> blocked;
+    double energy = objective(points, gradient, blocked);
+    energy::LbfgsMemory memory(kMemory);
+    int failures = 0;
+    for (int round = 0; round < iterations && energy < std::numeric_limits<double>::infinity(); ++round) {
+        energy::Field step = memory.empty() ? steepest(gradient, reach) : memory.direction(gradient);
+        objective.project(step);
+        clip(step, reach);
+        double descent = energy::inner(gradient, step);
+        if (descent >= 0.0) {
+            memory.clear();
+            step = steepest(gradient, reach);
+            descent = energy::inner(gradient, step);
+            if (descent >= 0.0)
+                break;
+        }
+        double length = 1.0;
+        double lower = 0.0;
+        bool found = false;
+        for (int k = 0; k < kHalvings && !found; ++k) {
+            next = points;
+            energy::add(next, length, step);
+            lower = objective(next, slope, blocked);
+            found = blocked.empty() && lower <= energy + 1e-4 * length * descent;
+            if (found)
+                continue;
+            if (blocked.empty()) {
+                length *= 0.5;
+                continue;
+            }
+            // A few tets are in the way: their corners hold back, the rest of the mesh goes on.
+            std::sort(blocked.begin(), blocked.end());
+            blocked.erase(std::unique(blocked.begin(), blocked.end()), blocked.end());
+            for (const int v : blocked)
+                step[v] = 0.25 * step[v];
+            descent = energy::inner(gradient, step);
+            if (descent >= 0.0)
+                break;
+        }
+        if (!found) {
+            if (memory.empty() || ++failures > 2)
+                break;
+            memory.clear();
+            continue;
+        }
+        memory.remember(points, next, gradient, slope);
+        const bool done = energy - lower < 1e-9 * energy;
+        points = next;
+        gradient = slope;
+        energy = lower;
+        if (done)
+            break;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (cloud.held[i] != Hold::all) // not by a rounding
+            cloud.points[i] = cloud.size[i] * points[i];
+    return objective.evaluations();
+}
+
+} // namespace wct::sampling

@@ -1,0 +1,110 @@
+#include "sampling/crease_recovery.h"
+
+#include "sampling/curve_chains.h"
+
+#include <algorithm>
+
+namespace wct::sampling {
+
+namespace {
+
+/// Crease points are not put closer than half of this, in sizes.
+constexpr double kClosest = 0.5;
+/// How near a crease a patch point that takes its edge away stands, in sizes: farther ones leave room for a new point.
+constexpr double kOn = 0.2;
+
+using Edges = std::vector<std::array<int, 2>>;
+
+std::vector<CreaseGap> find_gaps(const Cloud &cloud, const domain::Reference &reference, const Edges &edges) {
+    std::vector<CreaseGap> gaps;
+    const auto chains = curve_chains(cloud, reference);
+    for (std::size_t c = 0; c < chains.size(); ++c)
+        for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
+            const CurveStop &from = chains[c][k], &to = chains[c][k + 1];
+            const int v = from.point, w = to.point;
+            if (v != w && !std::binary_search(edges.begin(), edges.end(), std::array{std::min(v, w), std::max(v, w)}))
+                gaps.push_back({static_cast<int>(c), v, w, 0.5 * (from.at + to.at)});
+        }
+    return gaps;
+}
+
+/// Per point that a gap starts from, the points joined to it on the surface; empty for all others.
+std::vector<std::vector<int>> neighbours_of(const Cloud &cloud, const Edges &edges,
+                                            const std::vector<CreaseGap> &gaps) {
+    std::vector<char> asked(cloud.count(), 0);
+    for (const CreaseGap &gap : gaps)
+        asked[gap.first] = 1;
+    std::vector<std::vector<int>> out(cloud.count());
+    for (const auto &[v, w] : edges) {
+        if (asked[v])
+            out[v].push_back(w);
+        if (asked[w])
+            out[w].push_back(v);
+    }
+    return out;
+}
+
+/// The patch point of these that stands in the gap: between its ends, nearest to the curve and all but on it. -1: none.
+int standing_in(const CreaseGap &gap, const std::vector<int> &near, double size, const Cloud &cloud,
+                const domain::Reference &reference) {
+    const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
+    const Vec3 &a = cloud.points[gap.first], &b = cloud.points[gap.second];
+    int best = -1;
+    double least = kOn * size;
+    for (const int p : near) {
+        if (cloud.role[p] != Stratum::patch || !std::binary_search(patches.begin(), patches.end(), cloud.label[p]) ||
+            dot(a - cloud.points[p], b - cloud.points[p]) >= 0.0)
+            continue;
+        const double far = reference.nearest_on_curve(cloud.points[p], gap.curve, true).distance;
+        if (far < least) {
+            least = far;
+            best = p;
+        }
+    }
+    return best;
+}
+
+} // namespace
+
+std::vector<CreaseGap> crease_gaps(const Cloud &cloud, const domain::Reference &reference,
+                                   const RestrictedDelaunay &complex) {
+    return find_gaps(cloud, reference, surface_edges(complex));
+}
+
+int recover_creases(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
+                    const Workers &workers) {
+    const Edges edges = surface_edges(complex);
+    const std::vector<CreaseGap> gaps = find_gaps(cloud, reference, edges);
+    if (gaps.empty())
+        return 0;
+    const auto near = neighbours_of(cloud, edges, gaps);
+    PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
+    int got = 0;
+    for (const CreaseGap &gap : gaps) {
+        const double size = 0.5 * (cloud.size[gap.first] + cloud.size[gap.second]);
+        if (const int p = standing_in(gap, near[gap.first], size, cloud, reference); p >= 0) {
+            cloud.role[p] = Stratum::crease;
+            cloud.label[p] = gap.curve;
+            ++got;
+            continue;
+        }
+        if (norm(cloud.points[gap.first] - cloud.points[gap.second]) < kClosest * size)
+            continue; // splitting again and again would not help
+        // Half-way along the curve: half-way between the points may be nearer to some other part of it.
+        const domain::Curve &curve = reference.curves()[gap.curve];
+        const int step = static_cast<int>(gap.at);
+        const double along = gap.at - step;
+        const Vec3 middle = (1.0 - along) * reference.data().points[curve.at(step)] +
+                            along * reference.data().points[curve.at(step + 1)];
+        if (grid.crowded(middle, 0.4 * kClosest * size))
+            continue;
+        grid.add(middle, 0.4 * kClosest * size);
+        cloud.add(middle, Stratum::crease, gap.curve, size);
+        ++got;
+    }
+    if (got)
+        retract(cloud, reference, workers);
+    return got;
+}
+
+} // namespace wct::sampling

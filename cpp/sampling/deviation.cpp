@@ -1,0 +1,137 @@
+#include "sampling/deviation.h"
+
+#include "geometry/triangle_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wct::sampling {
+
+namespace {
+
+constexpr int kSamples = 5; // steps along a facet's edge
+
+struct Range {
+    double above = 0.0;
+    double below = 0.0;
+    double missed = 0.0;
+};
+
+Range sample(const std::array<Vec3, 3> &corner, const domain::Reference &reference, int near) {
+    Range range;
+    for (int j = 0; j <= kSamples; ++j)
+        for (int k = 0; k <= kSamples - j; ++k) {
+            const double u = static_cast<double>(j) / kSamples;
+            const double v = static_cast<double>(k) / kSamples;
+            const Vec3 p = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
+            const domain::Foot foot = reference.nearest(p, -1, near);
+            near = foot.triangle;
+            const double height = reference.height(p, foot);
+            range.above = std::max(range.above, height);
+            range.below = std::min(range.below, height);
+        }
+    return range;
+}
+
+double volume_of(const Cloud &cloud, const RestrictedDelaunay &complex) {
+    double volume = 0.0;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        const auto &tet = complex.all.tets[t];
+        const Vec3 &o = cloud.points[tet[0]];
+        volume += dot(cross(cloud.points[tet[1]] - o, cloud.points[tet[2]] - o), cloud.points[tet[3]] - o) / 6.0;
+    }
+    return volume;
+}
+
+/// Volume between the reference's sides that are inside and those that are outside.
+double enclosed_volume(const domain::SurfaceData &data) {
+    double volume = 0.0;
+    const Vec3 &o = data.points[data.triangles[0][0]];
+    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+        const auto &[a, b, c] = data.triangles[t];
+        const auto &sides = data.sides[data.patch[t]];
+        if ((sides[0] < 0) != (sides[1] < 0))
+            volume += (sides[0] < 0 ? -1.0 : 1.0) *
+                      dot(cross(data.points[a] - o, data.points[b] - o), data.points[c] - o) / 6.0;
+    }
+    return volume;
+}
+
+} // namespace
+
+Deviation measure_deviation(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
+                            const Workers &workers) {
+    const auto &data = reference.data();
+    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
+    std::vector<Range> range(facets.size());
+    workers.for_each(facets.size(), 64, [&](std::size_t f) {
+        const auto &[a, b, c] = facets[f];
+        const int near = std::max({cloud.near[a], cloud.near[b], cloud.near[c]});
+        range[f] = sample({cloud.points[a], cloud.points[b], cloud.points[c]}, reference, near);
+    });
+    // The facets nearest to the reference's vertices, then to the middles of its triangles.
+    const geometry::TriangleTree tree(cloud.points, facets);
+    const std::size_t vertices = data.points.size();
+    struct Near {
+        double distance = 0.0;
+        int facet = -1;
+    };
+    std::vector<Near> back(vertices + data.triangles.size());
+    std::vector<char> known(vertices, 0);
+    for (const auto &triangle : data.triangles)
+        for (const int v : triangle)
+            known[v] = 1;
+    workers.for_chunks(back.size(), 512, [&](std::size_t first, std::size_t last) {
+        int near = -1;
+        for (std::size_t i = first; i < last; ++i) {
+            if (i < vertices && !known[i])
+                continue;
+            Vec3 p;
+            if (i < vertices)
+                p = data.points[i];
+            else
+                for (const int v : data.triangles[i - vertices])
+                    p += data.points[v];
+            const auto found = tree.nearest(i < vertices ? p : (1.0 / 3.0) * p, near);
+            near = found.triangle;
+            back[i] = {std::sqrt(found.square), found.triangle};
+        }
+    });
+    Deviation out;
+    for (const Near &at : back)
+        if (at.facet >= 0) {
+            range[at.facet].missed = std::max(range[at.facet].missed, at.distance);
+            out.most_in = std::max(out.most_in, at.distance);
+        }
+    std::vector<Range> mean(cloud.count());
+    std::vector<double> count(cloud.count(), 0.0);
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+        const Range &r = range[f];
+        out.most_out = std::max({out.most_out, r.above, -r.below});
+        for (const int v : facets[f]) {
+            mean[v].above += r.above;
+            mean[v].below += r.below;
+            mean[v].missed += r.missed;
+            count[v] += 1.0;
+        }
+    }
+    out.above.assign(data.points.size(), 0.0);
+    out.below.assign(data.points.size(), 0.0);
+    out.missed.assign(data.points.size(), 0.0);
+    for (std::size_t v = 0; v < data.points.size(); ++v) {
+        if (!known[v])
+            continue;
+        for (const int w : facets[back[v].facet]) {
+            out.above[v] = std::max(out.above[v], mean[w].above / count[w]);
+            out.below[v] = std::min(out.below[v], mean[w].below / count[w]);
+            out.missed[v] = std::max(out.missed[v], mean[w].missed / count[w]);
+        }
+    }
+    const double enclosed = enclosed_volume(data);
+    out.volume_gain = enclosed > 0.0 ? volume_of(cloud, complex) / enclosed - 1.0 : 0.0;
+    return out;
+}
+
+} // namespace wct::sampling

@@ -1,0 +1,139 @@
+#include "sampling/odt_relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace wct::sampling {
+
+namespace {
+
+/// The patch both points belong to, -1 if there is none or, for two crease points, more than one.
+int common_patch(const Cloud &cloud, const domain::Reference &reference, const Edge &edge) {
+    const std::vector<int> shared = shared_patches(cloud, reference, edge);
+    return shared.size() == 1 ? shared.front() : -1;
+}
+
+struct Mean {
+    Vec3 sum;
+    double weight = 0.0;
+    void add(const Vec3 &p, double w) {
+        sum += w * p;
+        weight += w;
+    }
+};
+
+} // namespace
+
+double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
+             const Workers &workers) {
+    const auto &points = cloud.points;
+    std::vector<Mean> inner(points.size());
+    std::vector<Mean> outer(points.size());
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        const auto &tet = complex.all.tets[t];
+        const Vec3 &p = points[tet[0]];
+        const Vec3 u = points[tet[1]] - p;
+        const Vec3 v = points[tet[2]] - p;
+        const Vec3 w = points[tet[3]] - p;
+        const double det = dot(cross(u, v), w);
+        const Vec3 middle = p + 0.25 * (u + v + w);
+        const double edge = (norm(u) + norm(v) + norm(w) + norm(v - u) + norm(w - v) + norm(u - w)) / 6.0;
+        // A circumcenter far outside its tet says little: it is drawn in to half an edge from the centroid.
+        Vec3 center = middle;
+        if (det > 1e-9 * edge * edge * edge) {
+            center = p + (0.5 / det) * (dot(u, u) * cross(v, w) + dot(v, v) * cross(w, u) + dot(w, w) * cross(u, v));
+            const Vec3 d = center - middle;
+            const double far = norm(d);
+            if (far > 0.5 * edge)
+                center = middle + (0.5 * edge / far) * d;
+        }
+        double size = 0.0;
+        for (const int k : tet)
+            size += 0.25 * cloud.size[k];
+        for (const int k : tet)
+            inner[k].add(center, std::fabs(det) / (size * size));
+        for (int i = 0; i < 4; ++i) {
+            if (!complex.on_surface(static_cast<int>(t), i))
+                continue;
+            const auto f = complex.facet(static_cast<int>(t), i);
+            const Vec3 n = cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]);
+            const double s = (cloud.size[f[0]] + cloud.size[f[1]] + cloud.size[f[2]]) / 3.0;
+            const Vec3 c = (1.0 / 3.0) * (points[f[0]] + points[f[1]] + points[f[2]]);
+            for (const int k : f)
+                outer[k].add(c, norm(n) / (s * s));
+        }
+    }
+    const std::vector<Vec3> before = points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Mean &mean = cloud.role[i] == Stratum::interior ? inner[i] : outer[i];
+        const bool free =
+            cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
+        if (free && mean.weight > 0.0)
+            cloud.points[i] += step * ((1.0 / mean.weight) * mean.sum - cloud.points[i]);
+    }
+    retract(cloud, reference, workers);
+    double most = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        most = std::max(most, norm(points[i] - before[i]) / cloud.size[i]);
+    return most;
+}
+
+int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double longest,
+         double shortest) {
+    std::vector<std::pair<double, std::array<int, 2>>> far;
+    std::vector<std::pair<double, std::array<int, 2>>> near;
+    const auto edges = surface_edges(complex);
+    std::vector<char> divides(cloud.count(), 0); // the angle of a patch at a corner; it takes a shorter edge to do so
+    for (const auto &[v, w] : edges)
+        if (cloud.role[v] == Stratum::corner || cloud.role[w] == Stratum::corner)
+            divides[v] = divides[w] = 1;
+    for (const auto &edge : edges) {
+        const auto &[v, w] = edge;
+        const double length = norm(cloud.points[v] - cloud.points[w]) / (0.5 * (cloud.size[v] + cloud.size[w]));
+        if (length > longest)
+            far.emplace_back(-length, edge);
+        else if (length < (divides[v] && divides[w] ? 0.7 : 1.0) * shortest &&
+                 (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
+            near.emplace_back(length, edge);
+    }
+    PointGrid grid = surface_grid(cloud, 0.5);
+    int changes = 0;
+    std::vector<char> keep(cloud.count(), 1);
+    std::vector<char> touched(cloud.count(), 0);
+    std::sort(near.begin(), near.end());
+    for (const auto &[length, edge] : near) {
+        const auto &[v, w] = edge;
+        const int goes = cloud.role[w] == Stratum::patch ? w : v;
+        if (touched[v] || touched[w] || cloud.held[goes] == Hold::all)
+            continue;
+        touched[v] = touched[w] = 1;
+        keep[goes] = 0;
+        ++changes;
+    }
+    std::sort(far.begin(), far.end());
+    for (const auto &[length, edge] : far) {
+        const auto &[v, w] = edge;
+        const int patch = common_patch(cloud, reference, edge);
+        const bool held = cloud.held[v] == Hold::all && cloud.held[w] == Hold::all;
+        if (touched[v] || touched[w] || held || patch < 0)
+            continue;
+        Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);
+        reference.to_patch(middle, reference.nearest(middle, patch, cloud.near[v]));
+        const double size = 0.5 * (cloud.size[v] + cloud.size[w]);
+        if (grid.crowded(middle, 0.5 * size))
+            continue; // the edge is long because the surface is wrong here, not for want of points
+        grid.add(middle, 0.5 * size);
+        touched[v] = touched[w] = 1;
+        cloud.add(middle, Stratum::patch, patch, size);
+        keep.push_back(1);
+        ++changes;
+    }
+    cloud.keep(keep);
+    return changes;
+}
+
+} // namespace wct::sampling

@@ -1,0 +1,453 @@
+#include "sampling/resample.h"
+
+#include "geometry/euler_characteristic.h"
+#include "sampling/crease_recovery.h"
+#include "sampling/odt_relaxation.h"
+#include "sampling/pinch_mending.h"
+#include "sampling/sharp_edge_rows.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace wct::sampling {
+
+namespace {
+
+/// Where vertices sit over curved patches and creases: outside of the bend, so that chords run on both sides of it.
+void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, const ResampleOptions &form,
+                 const std::vector<double> &correction) {
+    const double most = form.shell * form.sizing.tolerance;
+    for (int w = 0; w < reference.wedges(); ++w) {
+        const auto &k = reference.curvature(w);
+        const double size = sizing.surface[reference.wedge_vertex(w)];
+        // (k1 + k2) size^2 / 16 is the mean sag of an equilateral facet, and keeps the volume; half of what an
+        // irregular one may sag centers it in the tolerance.
+        const double mean = k[0] + k[1];
+        const double deep = domain::unit_sag(k[0], k[1]) * 8.0;
+        const double middle = 1.4 * (k[0] * k[1] > 0.0 ? (k[0] > 0.0 ? deep : -deep) : mean);
+        const double half = 0.5 * (mean + middle);
+        const double offset = form.offset * half * size * size / 16.0 + correction[reference.wedge_vertex(w)];
+        reference.offset[w] = std::clamp(offset, -most, most);
+    }
+    for (domain::Curve &curve : reference.curves()) {
+        for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
+            const double size = sizing.surface[curve.vertices[k]];
+            const Vec3 shift = (-1.33 * form.offset * size * size / 16.0) * curve.bend[k];
+            const double far = norm(shift);
+            curve.shift[k] = far > most ? (most / far) * shift : shift;
+        }
+        if (!curve.closed && !curve.vertices.empty())
+            curve.shift.front() = curve.shift.back() = {}; // corners stay
+    }
+    reference.rebuild_curves();
+}
+
+/// Shift offsets and shrink sizes where the measured deviation asks for it. They grow again, up to where they were at
+/// the start, where they were shrunk too much.
+void learn(const Deviation &deviation, domain::Sizing &sizing, std::vector<double> &correction,
+           const std::vector<double> &ceiling, const ResampleOptions &form) {
+    const double tolerance = form.sizing.tolerance;
+    for (std::size_t v = 0; v < correction.size(); ++v) {
+        const double up = deviation.above[v];
+        const double down = deviation.below[v];
+        // Offsets keep the volume as they are; only what leaves the tolerance is a reason to shift them.
+        const double excess = std::max(0.0, std::max(up, -down) - form.target * tolerance);
+        correction[v] += std::clamp(-0.5 * (up + down), -excess, excess);
+        const double half = std::max(0.5 * (up - down), 0.75 * std::max({up, -down, deviation.missed[v]}));
+        const double change = half > 0.0 ? std::sqrt(form.target * tolerance / half) : 2.0;
+        sizing.surface[v] = std::min(sizing.surface[v] * std::clamp(change, 0.7, 1.08), ceiling[v]);
+    }
+    sizing.grade();
+}
+
+/// Shrink sizes where facets are off the tolerance, or nearly: the local search mends few of them, and slowly.
+void shrink(const Deviation &deviation, domain::Sizing &sizing, const ResampleOptions &form) {
+    const double tolerance = form.sizing.tolerance;
+    for (std::size_t v = 0; v < sizing.surface.size(); ++v) {
+        const double far = std::max({deviation.above[v], -deviation.below[v], deviation.missed[v]});
+        if (far > form.held * tolerance)
+            sizing.surface[v] *= std::max(std::sqrt(form.target * tolerance / far), 0.7);
+    }
+    sizing.grade();
+}
+
+/// Drop crease points that crowd another of their curve, or its end, and patch points that crowd a crease: the descent
+/// may push them together where a curve cannot be recovered. True if any did.
+bool thin_creases(Cloud &cloud, const domain::Reference &reference) {
+    constexpr double share = 0.2;  // of the size
+    std::map<int, double> corners; // vertex of the reference -> size
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == Stratum::corner)
+            corners[cloud.label[i]] = cloud.size[i];
+    std::map<int, PointGrid> grids;
+    for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c) {
+        const domain::Curve &curve = reference.curves()[c];
+        if (!curve.closed && !curve.vertices.empty())
+            for (const int end : {curve.vertices.front(), curve.vertices.back()})
+                if (const auto found = corners.find(end); found != corners.end())
+                    grids[c].add(reference.data().points[end], share * found->second);
+    }
+    std::vector<char> keep(cloud.count(), 1);
+    bool any = false;
+    PointGrid creases;
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+        if (cloud.role[i] == Stratum::corner)
+            creases.add(cloud.points[i], share * cloud.size[i]);
+        if (cloud.role[i] != Stratum::crease)
+            continue;
+        PointGrid &grid = grids[cloud.label[i]];
+        const double radius = share * cloud.size[i];
+        if (grid.crowded(cloud.points[i], radius)) {
+            keep[i] = 0;
+            any = true;
+        } else {
+            grid.add(cloud.points[i], radius);
+            creases.add(cloud.points[i], radius);
+        }
+    }
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == Stratum::patch && creases.crowded(cloud.points[i], share * cloud.size[i])) {
+            keep[i] = 0;
+            any = true;
+        }
+    if (any)
+        cloud.keep(keep);
+    return any;
+}
+
+/// Every boundary point on its stratum, no two at one place.
+void settle(Cloud &cloud, const domain::Reference &reference, double shell, std::vector<Vec3> &direction,
+            const Workers &workers) {
+    do
+        retract_to_shell(cloud, reference, shell, direction, workers);
+    while (drop_twins(cloud) || thin_creases(cloud, reference));
+}
+
+bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point) {
+    const std::vector<int> own = patches_of(cloud, reference, point);
+    return std::any_of(own.begin(), own.end(), [&](int patch) { return !reference.planar(patch); });
+}
+
+/// Points whose surface edges cut across a bend, but for those of sharp edges, which are far from the next.
+std::vector<char> curved_points(const Cloud &cloud, const domain::Reference &reference,
+                                const domain::SharpEdges &sharp) {
+    std::vector<char> curved(cloud.count(), 0);
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        curved[i] = on_curved(cloud, reference, static_cast<int>(i)) &&
+                    !(cloud.role[i] == Stratum::crease && sharp.of_curve(cloud.label[i]));
+    return curved;
+}
+
+bool has_curved_patches(const domain::Reference &reference) {
+    for (int p = 0; p < reference.patches(); ++p)
+        if (!reference.planar(p))
+            return true;
+    return false;
+}
+
+void refresh_sizes(Cloud &cloud, const domain::Sizing &sizing, const Workers &workers) {
+    workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
+}
+
+/// Points where the domain is not represented, but for corners: sheets of the input itself may touch there.
+std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
+    std::vector<int> lost = flaws.exposed;
+    lost.insert(lost.end(), flaws.pinched.begin(), flaws.pinched.end());
+    std::erase_if(lost, [&](int v) { return cloud.role[v] == Stratum::corner; });
+    return lost;
+}
+
+/// Shrink sizes at points where facets are too large: sheets touched each other, facets cut across, or creases have
+/// gaps.
+void refine(const Cloud &cloud, const std::vector<int> &touched, const domain::Reference &reference,
+            domain::Sizing &sizing) {
+    constexpr double share = 0.6;
+    for (const int i : touched) {
+        const domain::Foot foot = reference.nearest(cloud.points[i]);
+        for (const int v : reference.data().triangles[foot.triangle]) {
+            const double far = norm(reference.data().points[v] - foot.point);
+            sizing.surface[v] = std::min(sizing.surface[v], share * cloud.size[i] + sizing.form().surface_grade * far);
+        }
+    }
+    sizing.grade();
+}
+
+/// Corners of facets that cut far across from one planar patch to another: nothing brings such a facet back, as planes
+/// are kept by keeping their vertices in them. Where single triangles of noise are patches, some are a little off; to
+/// give up the whole start for them would cost far more.
+std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &complex,
+                               const domain::Reference &reference, double tolerance) {
+    constexpr double far = 4.0; // tolerances
+    const auto off = [&](const std::array<int, 3> &facet) {
+        const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
+        for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
+            if (reference.nearest(p).distance > far * tolerance)
+                return true;
+        return false;
+    };
+    std::vector<int> corners;
+    for (const auto &facet : surface_facets(complex))
+        if (shared_patches(cloud, reference, facet).empty() &&
+            std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
+            off(facet))
+            corners.insert(corners.end(), facet.begin(), facet.end());
+    return corners;
+}
+
+/// Ends of crease edges that are missing beside planes that are kept exactly. Vertices are kept there by their labels,
+/// and facets by the creases between them: past a gap, facets would get from one plane to the next.
+std::vector<int> open_creases(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
+                              double tolerance) {
+    std::vector<int> ends;
+    for (const CreaseGap &gap : crease_gaps(cloud, reference, complex)) {
+        const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
+        if (std::any_of(patches.begin(), patches.end(), [&](int p) { return reference.keeps(p, tolerance); }))
+            ends.insert(ends.end(), {gap.first, gap.second});
+    }
+    return ends;
+}
+
+/// Points where planes are not represented.
+std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
+                             double tolerance) {
+    std::vector<int> lost = across_planes(cloud, complex, reference, tolerance);
+    const std::vector<int> open = open_creases(cloud, complex, reference, tolerance);
+    lost.insert(lost.end(), open.begin(), open.end());
+    return lost;
+}
+
+/// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
+/// would press the surface points round them into flat tets.
+bool promote(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, const Flaws &flaws) {
+    constexpr double crowded = 0.5;                                                   // of the size
+    std::vector<double> room(cloud.count(), std::numeric_limits<double>::infinity()); // to the nearest surface point
+    std::vector<char> open(cloud.count(), 0), keep(cloud.count(), 1);
+    for (const int v : flaws.exposed)
+        open[v] = 1;
+    for (const auto &tet : complex.all.tets)
+        for (const int v : tet)
+            for (const int w : tet)
+                if (open[v] && cloud.role[w] != Stratum::interior)
+                    room[v] = std::min(room[v], norm(cloud.points[v] - cloud.points[w]));
+    for (const int v : flaws.exposed) {
+        if (room[v] < crowded * cloud.size[v]) {
+            keep[v] = 0;
+            continue;
+        }
+        const domain::Foot foot = reference.nearest(cloud.points[v]);
+        cloud.role[v] = Stratum::patch;
+        cloud.label[v] = reference.data().patch[foot.triangle];
+        cloud.near[v] = foot.triangle;
+    }
+    cloud.keep(keep);
+    return !flaws.exposed.empty();
+}
+
+/// Points of tets that fitting the surface has turned over go back to where they were.
+void keep_upright(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &before) {
+    constexpr double flat = 1e-4; // six times the volume per cube of the size
+    for (bool again = true; again;) {
+        again = false;
+        for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+            const auto &tet = complex.all.tets[t];
+            const auto volume = [&](const std::vector<Vec3> &at) {
+                return dot(cross(at[tet[1]] - at[tet[0]], at[tet[2]] - at[tet[0]]), at[tet[3]] - at[tet[0]]);
+            };
+            const double size = cloud.size[tet[0]];
+            if (complex.region[t] < 0 || volume(cloud.points) > std::min(flat * size * size * size, volume(before)))
+                continue;
+            for (const int v : tet) {
+                again = again || !(cloud.points[v] == before[v]);
+                cloud.points[v] = before[v];
+            }
+        }
+    }
+}
+
+/// The complex of the settled points, changed until the domain's creases and surfaces are in it. `touched` receives the
+/// points where sheets touched on the way.
+Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map, double shell,
+                std::vector<Vec3> &direction, RestrictedDelaunay &complex, std::vector<int> &touched,
+                const Workers &workers) {
+    settle(cloud, reference, shell, direction, workers);
+    complex = restricted_delaunay(cloud, reference, map, workers);
+    Flaws flaws = find_flaws(cloud, complex);
+    for (int pass = 0; pass < 4; ++pass) {
+        const bool promoted = promote(cloud, reference, complex, flaws);
+        if (promoted) { // points may have gone, and with them the complex's numbers
+            settle(cloud, reference, shell, direction, workers);
+            complex = restricted_delaunay(cloud, reference, map, workers);
+        }
+        if (recover_creases(cloud, reference, complex, workers) == 0 && !promoted)
+            break;
+        settle(cloud, reference, shell, direction, workers);
+        complex = restricted_delaunay(cloud, reference, map, workers);
+        flaws = find_flaws(cloud, complex);
+    }
+    touched = flaws.pinched;
+    return mend_pinches(cloud, reference, complex, std::move(flaws));
+}
+
+/// A mesh the local search may start from.
+struct Start {
+    Cloud cloud;
+    RestrictedDelaunay complex;
+    Flaws flaws;
+    std::vector<int> touched; // points where sheets touched on the way
+    Tally tally;
+    std::size_t off = 0; // facets
+    bool intact = false;
+};
+
+} // namespace
+
+Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, std::span<const double> wanted,
+                   const ResampleOptions &form, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
+                   const Workers &workers) {
+    using Clock = std::chrono::steady_clock;
+    auto last = Clock::now();
+    Resampled result;
+    const auto lap = [&](const std::string &name) {
+        const auto now = Clock::now();
+        result.stats.emplace_back("seconds_" + name, std::chrono::duration<double>(now - last).count());
+        last = now;
+    };
+    const domain::RegionMap map(mesh, reference);
+    lap("map");
+    domain::Sizing sizing(reference, mesh, map, form.sizing, wanted, workers);
+    lap("sizing");
+    std::vector<double> correction(reference.data().points.size(), 0.0);
+    const std::vector<double> ceiling = sizing.surface;
+    Random random(form.seed);
+    const bool curved = has_curved_patches(reference);
+    const auto seeds = [&] {
+        set_offsets(reference, sizing, form, correction);
+        return make_seeds(reference, map, sizing, SeedForm{}, renewal, random, workers);
+    };
+    const auto relaxed = [&](Cloud cloud, int sweeps) {
+        for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
+            drop_twins(cloud);
+            RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
+            if (sweep >= form.mend_from && sweep % 4 == 0 && sweep + 4 < form.sweeps)
+                if (mend(cloud, reference, complex, form.longest, form.shortest) > 0) {
+                    drop_twins(cloud);
+                    clear_sharp(cloud, sizing);
+                    complex = restricted_delaunay(cloud, reference, map, workers);
+                }
+            relax(cloud, reference, complex, form.step, workers);
+            keep_off_sharp(cloud, reference, sizing, workers);
+            if (sweep % 8 == 7)
+                refresh_sizes(cloud, sizing, workers);
+            monitor.work(complex.all.tets.size(), 0.0);
+        }
+        return cloud;
+    };
+    const int trials = curved && !renewal ? form.trials : 0; // sizes do where nearly all came right
+    for (int trial = 0; trial < trials && !monitor.stopped(); ++trial) {
+        Cloud cloud = relaxed(seeds(), form.trial_sweeps);
+        drop_twins(cloud);
+        const RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
+        learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, form);
+    }
+    lap("trials");
+    const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
+    const double tolerance = form.sizing.tolerance;
+    const auto represents = [&](const Cloud &cloud, const RestrictedDelaunay &complex, const Flaws &flaws) {
+        return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, tolerance).empty() &&
+               geometry::euler_characteristics(complex.all.tets, complex.region) == euler;
+    };
+    std::vector<Vec3> direction;
+    const double shell = form.shell * tolerance;
+    const FitForm fit{form.fit_target * tolerance, form.fit_weight, form.fit_pull, shell};
+    const auto run = [&]() -> std::optional<Start> { // nothing where it is stopped before the first round
+        std::optional<Start> best;
+        Cloud cloud = seeds();
+        Cloud far; // from all that moves
+        if (renewal) {
+            renewal->apply(cloud, sizing);
+            far = renewal->split_far(cloud);
+        }
+        if (cloud.count() > 0)
+            cloud = relaxed(std::move(cloud), form.sweeps);
+        cloud.append(far);
+        lap("relax");
+        RestrictedDelaunay complex;
+        std::vector<int> touched;
+        std::vector<double> fewest; // bad tets and facets off, after each round since the domain was met
+        for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
+            Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched, workers);
+            const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
+            const std::vector<Vec3> unfitted = cloud.points;
+            fit_heights(cloud, reference, ties, direction, fit, workers);
+            keep_upright(cloud, complex, unfitted);
+            const Tally tally = count_bad(cloud, complex, form.cosines);
+            const bool sound = represents(cloud, complex, flaws);
+            const std::size_t off = count_off(cloud, ties, form.held * tolerance);
+            if (!best || std::pair(!sound, tally.bad + off) < std::pair(!best->intact, best->tally.bad + best->off)) {
+                if (best && !best->intact)
+                    fewest.clear();
+                best = Start{cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
+            }
+            fewest.push_back(static_cast<double>(best->tally.bad + best->off));
+            const std::size_t lately = best->intact ? form.lately : 2 * form.lately;
+            const bool settled = fewest.size() > lately && fewest.back() > form.worth * fewest.end()[-1 - lately];
+            if (round == form.rounds || tally.bad == 0 || settled)
+                break;
+            monitor.set_bad(static_cast<std::int64_t>(best->tally.bad));
+            energy::EnergyForm energy = form.energy;
+            if (!form.cosines)
+                energy.weight2 = 0.0;
+            const std::size_t evaluations =
+                descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference, sizing.sharp()),
+                        fit, ties, form.iterations, form.reach);
+            monitor.work(evaluations, static_cast<double>(round) / form.rounds);
+        }
+        lap("descent");
+        return best;
+    };
+    std::optional<Start> found = run();
+    const int attempts = renewal ? 0 : form.attempts; // where it kept to the old mesh, that may be sound all the same
+    for (int attempt = 0; attempt < attempts && found && !found->intact && !monitor.stopped(); ++attempt) {
+        const std::vector<int> lost = lost_planes(found->cloud, found->complex, reference, tolerance);
+        found->touched.insert(found->touched.end(), lost.begin(), lost.end());
+        refine(found->cloud, found->touched, reference, sizing);
+        std::optional<Start> next = run();
+        if (next && (next->intact || next->tally.bad + next->off < found->tally.bad + found->off))
+            found = std::move(next);
+    }
+    const auto too_many_off = [&](const Start &start) {
+        return static_cast<double>(start.off) >
+               form.few_off * static_cast<double>(surface_facets(start.complex).size());
+    };
+    if (!renewal && found && found->intact && too_many_off(*found) && !monitor.stopped()) {
+        shrink(measure_deviation(found->cloud, found->complex, reference, workers), sizing, form);
+        std::optional<Start> next = run();
+        if (next && next->intact && next->off < found->off)
+            found = std::move(next);
+    }
+    result.stopped = monitor.stopped();
+    if (!found)
+        return result;
+    Start &best = *found;
+    result.stats.emplace_back("off", static_cast<double>(best.off));
+    if (!best.intact) {
+        result.lost = lost_points(best.cloud, best.flaws);
+        const std::vector<int> planes = lost_planes(best.cloud, best.complex, reference, tolerance);
+        result.lost.insert(result.lost.end(), planes.begin(), planes.end());
+    }
+    result.cloud = std::move(best.cloud);
+    result.complex = std::move(best.complex);
+    result.flaws = std::move(best.flaws);
+    result.tally = best.tally;
+    result.intact = best.intact;
+    result.deviation = measure_deviation(result.cloud, result.complex, reference, workers);
+    lap("deviation");
+    return result;
+}
+
+} // namespace wct::sampling

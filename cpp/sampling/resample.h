@@ -1,0 +1,82 @@
+#pragma once
+
+#include "base/monitor.h"
+#include "domain/reference.h"
+#include "domain/region_map.h"
+#include "domain/sizing.h"
+#include "energy/energy.h"
+#include "sampling/cloud.h"
+#include "sampling/cloud_descent.h"
+#include "sampling/deviation.h"
+#include "sampling/partial_renewal.h"
+#include "sampling/restricted_delaunay.h"
+#include "sampling/seeds.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wct::sampling {
+
+/// What is asked of resample, and the constants it works with.
+struct ResampleOptions {
+    domain::SizingForm sizing;
+    bool cosines = true;
+    std::uint64_t seed = 1;
+
+    static constexpr double offset = 1.05; // of vertices over a bend, relative to what regular facets would need
+    static constexpr double shell = 0.95;  // no offset beyond this share of the tolerance
+    static constexpr int sweeps = 25;      // of relaxation
+    static constexpr double step = 0.7;
+    static constexpr int mend_from = 4;     // sweep after which holes are filled and crowds thinned
+    static constexpr double longest = 1.38; // surface edge, in sizes
+    static constexpr double shortest = 0.62;
+    static constexpr int rounds = 20; // of descent
+    /// What so many rounds must bring the bad tets down to for another to begin: the local search mends the rest
+    /// sooner.
+    static constexpr int lately = 2;
+    static constexpr double worth = 0.9;
+    static constexpr int iterations = 15; // of L-BFGS per round
+    static constexpr double reach = 0.1;  // longest step of a point, in sizes
+    /// More where the domain was not met, with smaller sizes where its sheets touched each other or were cut across.
+    static constexpr int attempts = 2;
+    static constexpr int trials = 1; // of the deviation, before the real run
+    static constexpr int trial_sweeps = 8;
+    static constexpr double target = 0.72; // of the tolerance, for the mean facet
+    /// Share of the tolerance beyond which a facet counts as off, as in the local search.
+    static constexpr double held = 0.86;
+    /// Share of the facets that may be off before sizes shrink and everything starts once more. Scans have 3-4 %, which
+    /// the local search mends as soon as it would a start with a sixth more tets; a ball of coarse facets at a fine
+    /// tolerance has 6 % and takes five times as long without, noise of two tolerances 22 %.
+    static constexpr double few_off = 0.05;
+    static constexpr double fit_target = 0.7; // share that costs nothing: between samples facets are farther off
+    /// Against the tets' energies; ten times that doubles the bad tets and gains little.
+    static constexpr double fit_weight = 0.1;
+    static constexpr double fit_pull = 0.02;
+    static constexpr energy::EnergyForm energy{0.12, 2.5, 0.08, 2.5, 1.0, 0.003};
+};
+
+struct Resampled {
+    Cloud cloud;
+    RestrictedDelaunay complex;
+    Flaws flaws;
+    Tally tally;
+    Deviation deviation;
+    /// No flaws but at corners, no facet far across planes, no gap in their creases, the domain's Euler
+    /// characteristics.
+    bool intact = false;
+    std::vector<int> lost; // points where it is not, but for corners
+    bool stopped = false;  // without a tet, where that was before there was any mesh
+    std::vector<std::pair<std::string, double>> stats;
+};
+
+/// Resample the domain, or only what the renewal makes anew: see make_seeds, relax and descend. The reference's offsets
+/// are set on the way.
+Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, std::span<const double> wanted,
+                   const ResampleOptions &form, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
+                   const Workers &workers);
+
+} // namespace wct::sampling

@@ -1,0 +1,211 @@
+#include "sampling/restricted_delaunay.h"
+
+#include "base/disjoint_sets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace wct::sampling {
+
+namespace {
+
+constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+constexpr double kFlat = 1e-5;  // altitude per mean edge of a tet that is nothing but rounding
+constexpr double kSliver = 0.3; // the same for a tet that rests on a curved patch
+
+/// Smallest altitude per mean edge.
+double flatness(const std::vector<Vec3> &points, const std::array<int, 4> &tet) {
+    double mean = 0.0;
+    double area = 0.0;
+    for (const auto &f : kOutward) {
+        const Vec3 &a = points[tet[f[0]]];
+        area = std::max(area, norm(cross(points[tet[f[1]]] - a, points[tet[f[2]]] - a)));
+    }
+    for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j)
+            mean += norm(points[tet[j]] - points[tet[i]]) / 6.0;
+    const Vec3 &a = points[tet[0]];
+    const double det = dot(cross(points[tet[1]] - a, points[tet[2]] - a), points[tet[3]] - a);
+    // Four points on a line have no altitude worth the name: both det and area are rounding.
+    return area > 1e-9 * mean * mean ? det / (area * mean) : 0.0;
+}
+
+bool share_curved_patch(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {
+    const std::vector<int> shared = shared_patches(cloud, reference, tet);
+    return std::any_of(shared.begin(), shared.end(), [&](int p) { return !reference.planar(p); });
+}
+
+/// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
+/// over, or one is, and the point under it that should be on the surface comes to light.
+void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDelaunay &complex) {
+    std::vector<int> candidates;
+    std::vector<int> open(cloud.count(), 0); // per point: its facets on the boundary
+    const auto count = [&](int t, int i, int change) {
+        for (const int v : complex.facet(t, i))
+            open[v] += change;
+    };
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            if (complex.region[t] >= 0 && complex.beyond(t, i) < 0)
+                count(t, i, 1);
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        if (const auto &tet = complex.all.tets[t];
+            complex.region[t] >= 0 &&
+            std::none_of(tet.begin(), tet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) &&
+            flatness(cloud.points, tet) < kSliver && share_curved_patch(cloud, reference, tet))
+            candidates.push_back(t);
+    for (bool again = true; again;) { // tets that were covered may lie open now
+        again = false;
+        for (int &t : candidates) {
+            int outside = 0, facet = -1;
+            for (int i = 0; i < 4; ++i)
+                if (complex.beyond(t, i) < 0) {
+                    ++outside;
+                    facet = i;
+                }
+            if (outside == 0 || (outside == 1 && open[complex.all.tets[t][facet]] > 0))
+                continue;
+            for (int i = 0; i < 4; ++i)
+                count(t, i, complex.beyond(t, i) < 0 ? -1 : 1);
+            complex.region[t] = -1;
+            t = -1;
+            again = true;
+        }
+        std::erase(candidates, -1);
+    }
+}
+
+} // namespace
+
+std::array<int, 3> RestrictedDelaunay::facet(int t, int i) const {
+    const auto &tet = all.tets[t];
+    return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
+}
+
+RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers) {
+    RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}};
+    const auto &tets = complex.all.tets;
+    complex.region.resize(tets.size());
+    workers.for_each(tets.size(), 1024, [&](std::size_t t) {
+        int on_surface = 0, inner = -1, near = -1;
+        for (const int v : tets[t])
+            if (cloud.role[v] == Stratum::interior) {
+                inner = v;
+            } else {
+                ++on_surface;
+                near = std::max(near, cloud.near[v]);
+            }
+        if (on_surface <= 1) {
+            complex.region[t] = cloud.label[inner];
+            return;
+        }
+        if (on_surface == 4 && flatness(cloud.points, tets[t]) < kFlat) {
+            complex.region[t] = -1;
+            return;
+        }
+        Vec3 center;
+        for (const int v : tets[t])
+            center += 0.25 * cloud.points[v];
+        complex.region[t] = map.region(center, near);
+    });
+    return complex;
+}
+
+RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
+                                       const domain::RegionMap &map, const Workers &workers) {
+    RestrictedDelaunay complex = labelled_delaunay(cloud, map, workers);
+    peel(cloud, reference, complex);
+    return complex;
+}
+
+std::vector<std::array<int, 3>> surface_facets(const RestrictedDelaunay &complex) {
+    std::vector<std::array<int, 3>> facets;
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            if (complex.on_surface(t, i))
+                facets.push_back(complex.facet(t, i));
+    return facets;
+}
+
+std::vector<std::array<int, 2>> surface_edges(const RestrictedDelaunay &complex) {
+    std::vector<std::array<int, 2>> edges;
+    for (const auto &f : surface_facets(complex))
+        for (int k = 0; k < 3; ++k)
+            edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+}
+
+Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex) {
+    Flaws flaws;
+    // Per region and point, its surface triangles must form one fan. Union the triangles across edges used exactly
+    // twice.
+    struct Use {
+        int region;
+        int v, w;
+        int triangle;
+    };
+    std::vector<Use> uses;
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<int> owner;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        if (complex.region[t] < 0)
+            continue;
+        for (int i = 0; i < 4; ++i) {
+            if (complex.beyond(static_cast<int>(t), i) == complex.region[t])
+                continue;
+            const auto f = complex.facet(static_cast<int>(t), i);
+            for (int k = 0; k < 3; ++k) {
+                const int v = f[k];
+                const int w = f[(k + 1) % 3];
+                uses.push_back({complex.region[t], std::min(v, w), std::max(v, w), static_cast<int>(triangles.size())});
+                if (cloud.role[v] == Stratum::interior)
+                    flaws.exposed.push_back(v);
+            }
+            triangles.push_back(f);
+            owner.push_back(complex.region[t]);
+        }
+    }
+    std::sort(uses.begin(), uses.end(), [](const Use &a, const Use &b) {
+        return std::tie(a.region, a.v, a.w, a.triangle) < std::tie(b.region, b.v, b.w, b.triangle);
+    });
+    DisjointSets fans(3 * triangles.size()); // of the triangles' corners
+    const auto corner = [&](int triangle, int v) {
+        for (int k = 0; k < 3; ++k)
+            if (triangles[triangle][k] == v)
+                return 3 * triangle + k;
+        return -1;
+    };
+    for (std::size_t k = 0; k < uses.size();) {
+        std::size_t end = k + 1;
+        while (end < uses.size() && uses[end].region == uses[k].region && uses[end].v == uses[k].v &&
+               uses[end].w == uses[k].w)
+            ++end;
+        if (end - k != 2) {
+            flaws.pinched.push_back(uses[k].v);
+            flaws.pinched.push_back(uses[k].w);
+        } else {
+            for (const int v : {uses[k].v, uses[k].w})
+                fans.join(corner(uses[k].triangle, v), corner(uses[k + 1].triangle, v));
+        }
+        k = end;
+    }
+    std::map<std::pair<int, int>, int> first; // (region, point) -> its first fan
+    for (std::size_t k = 0; k < 3 * triangles.size(); ++k) {
+        const int v = triangles[k / 3][k % 3], fan = fans.find(static_cast<int>(k));
+        const auto [at, fresh] = first.try_emplace({owner[k / 3], v}, fan);
+        if (!fresh && at->second != fan)
+            flaws.pinched.push_back(v);
+    }
+    for (auto *list : {&flaws.exposed, &flaws.pinched}) {
+        std::sort(list->begin(), list->end());
+        list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    return flaws;
+}
+
+} // namespace wct::sampling

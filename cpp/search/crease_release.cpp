@@ -1,0 +1,182 @@
+#include "search/crease_release.h"
+
+#include "base/disjoint_sets.h"
+
+#include <algorithm>
+
+namespace wct::search {
+
+namespace {
+
+constexpr double kReach = 2.5; // from the middle of a bad tet, in sizes: creases so near are released
+
+/// Calls back with every two triangles that follow each other round one of the edges, and that edge.
+template <class Visit> void over_edges(const std::vector<Facet> &triangles, Visit visit) {
+    std::vector<std::pair<Edge, int>> sides;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (int i = 0; i < 3; ++i)
+            sides.push_back({sorted(triangles[t][i], triangles[t][(i + 1) % 3]), static_cast<int>(t)});
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t k = 1; k < sides.size(); ++k)
+        if (sides[k].first == sides[k - 1].first)
+            visit(sides[k - 1].second, sides[k].second, sides[k].first);
+}
+
+} // namespace
+
+SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgress &progress) {
+    SearchOutcome sum;
+    SearchOptions now = options;
+    for (bool more = true;; ++now.seed) {
+        const SurfaceGuide guide(
+            {surface_.points, surface_.triangles, surface_.patch, surface_.segments, surface_.curve}, tolerance_,
+            spacing_);
+        const std::vector<std::uint8_t> may = releasable(guide);
+        more = more && std::find(may.begin(), may.end(), 1) != may.end();
+        now.hurry = more; // what creases hold up seldom comes right by waiting
+        Search search(complex_, guide, now);
+        const SearchOutcome one = search.run(progress);
+        sum.bad = one.bad;
+        sum.stuck = one.stuck;
+        sum.passes += one.passes;
+        sum.kicks += one.kicks;
+        sum.accepted += one.accepted;
+        sum.evaluations += one.evaluations;
+        sum.stopped = one.stopped;
+        if (one.bad == 0 || one.stopped || !more)
+            return sum;
+        const std::vector<int> curves = near(one.stuck, may);
+        more = !curves.empty(); // else once more, with all patience
+        if (more)
+            release(curves);
+    }
+}
+
+std::vector<std::uint8_t> CreaseRelease::releasable(const SurfaceGuide &guide) const {
+    std::vector<std::uint8_t> may(surface_.loose.size(), 0);
+    for (const int c : surface_.curve)
+        may[c] = surface_.loose[c] && !guide.exact(c);
+    return may;
+}
+
+std::vector<int> CreaseRelease::near(const std::vector<int> &bad, const std::vector<std::uint8_t> &may) const {
+    std::vector<int> out;
+    for (const auto &[edge, curve] : complex_.creases()) {
+        if (!may[curve])
+            continue;
+        const Vec3 middle = 0.5 * (complex_.point(edge[0]) + complex_.point(edge[1]));
+        const double reach = kReach * 0.5 * (complex_.vertex(edge[0]).size + complex_.vertex(edge[1]).size);
+        if (std::any_of(bad.begin(), bad.end(), [&](int t) {
+                const Tet &tet = complex_.tet(t);
+                const Vec3 center = 0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) +
+                                            complex_.point(tet[3]));
+                return norm(center - middle) < reach;
+            }))
+            out.push_back(curve);
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+void CreaseRelease::release(const std::vector<int> &curves) {
+    std::vector<std::uint8_t> gone(surface_.loose.size(), 0);
+    for (const int c : curves)
+        gone[c] = 1;
+    released_.insert(released_.end(), curves.begin(), curves.end());
+    std::sort(released_.begin(), released_.end());
+
+    const std::vector<int> patch_of = join_patches(gone);
+    for (int &p : surface_.patch)
+        p = patch_of[p];
+    relabel(gone, patch_of);
+    std::size_t kept = 0;
+    for (std::size_t s = 0; s < surface_.segments.size(); ++s)
+        if (!gone[surface_.curve[s]]) {
+            surface_.segments[kept] = surface_.segments[s];
+            surface_.curve[kept++] = surface_.curve[s];
+        }
+    surface_.segments.resize(kept);
+    surface_.curve.resize(kept);
+}
+
+std::vector<int> CreaseRelease::join_patches(const std::vector<std::uint8_t> &gone) const {
+    std::vector<Edge> edges;
+    for (std::size_t s = 0; s < surface_.segments.size(); ++s)
+        if (gone[surface_.curve[s]])
+            edges.push_back(sorted(surface_.segments[s][0], surface_.segments[s][1]));
+    std::sort(edges.begin(), edges.end());
+    DisjointSets patches(surface_.triangles.size()); // no patch has a greater number
+    over_edges(surface_.triangles, [&](int t, int u, const Edge &edge) {
+        if (!std::binary_search(edges.begin(), edges.end(), edge))
+            return;
+        const auto [low, high] = std::minmax({patches.find(surface_.patch[t]), patches.find(surface_.patch[u])});
+        patches.join(high, low); // the smallest stands for all
+    });
+    std::vector<int> out(surface_.triangles.size());
+    for (std::size_t p = 0; p < out.size(); ++p)
+        out[p] = patches.find(static_cast<int>(p));
+    return out;
+}
+
+std::vector<std::uint8_t> CreaseRelease::whole() const {
+    // Corners of triangles, joined where they share an edge there: a point of one sheet has one set of them.
+    DisjointSets corners(3 * surface_.triangles.size());
+    const auto corner = [&](int t, int v) {
+        const Facet &f = surface_.triangles[t];
+        return 3 * t + static_cast<int>(std::find(f.begin(), f.end(), v) - f.begin());
+    };
+    over_edges(surface_.triangles, [&](int t, int u, const Edge &edge) {
+        for (const int v : edge)
+            corners.join(corner(t, v), corner(u, v));
+    });
+    std::vector<int> sheets(surface_.points.size(), 0);
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
+        for (const int v : surface_.triangles[t]) {
+            const int c = corner(static_cast<int>(t), v);
+            sheets[v] += corners.find(c) == c;
+        }
+    std::vector<std::uint8_t> out(sheets.size());
+    for (std::size_t v = 0; v < out.size(); ++v)
+        out[v] = sheets[v] == 1;
+    return out;
+}
+
+void CreaseRelease::relabel(const std::vector<std::uint8_t> &gone, const std::vector<int> &patch_of) {
+    const std::vector<std::uint8_t> one_sheet = whole();
+    std::vector<int> held(complex_.vertex_slots(), 0), freed(complex_.vertex_slots(), 0);
+    for (const auto &[edge, curve] : complex_.creases())
+        for (const int v : edge)
+            ++(gone[curve] ? freed : held)[v];
+
+    TetComplex next;
+    std::vector<TetComplex::SurfaceAt> facets;
+    for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
+        const int v = static_cast<int>(k);
+        Vertex vertex = complex_.vertex(v);
+        vertex.hint = 0; // patches and curves will be others
+        const bool loose_corner =
+            vertex.stratum == Stratum::corner && vertex.label >= 0 && freed[v] && !held[v] && one_sheet[vertex.label];
+        if ((vertex.stratum == Stratum::crease && gone[vertex.label]) || loose_corner) {
+            complex_.surface_at(v, facets);
+            vertex.stratum = Stratum::patch;
+            vertex.label = facets.empty() ? -1 : facets[0].facet->patch;
+        }
+        if (vertex.stratum == Stratum::patch && vertex.label >= 0)
+            vertex.label = patch_of[vertex.label];
+        next.add_vertex(vertex);
+    }
+    for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
+        if (const int t = static_cast<int>(k); complex_.alive(t))
+            next.add_tet(complex_.tet(t), complex_.region(t), 0.0);
+    for (const auto &[key, patch] : complex_.sorted_surface())
+        next.add_facet(key, patch_of[patch]);
+    std::vector<std::pair<Edge, int>> creases(complex_.creases().begin(), complex_.creases().end());
+    std::sort(creases.begin(), creases.end());
+    for (const auto &[edge, curve] : creases)
+        if (!gone[curve])
+            next.add_crease(edge, curve);
+    complex_ = std::move(next);
+}
+
+} // namespace wct::search

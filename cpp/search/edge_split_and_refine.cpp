@@ -1,0 +1,124 @@
+// Adding a vertex on an edge, or where a facet is farthest from the surface.
+
+#include "search/operators.h"
+
+#include <algorithm>
+
+namespace wct::search {
+
+std::optional<Vec3> Operators::farthest(const Facet &key) const {
+    if (complex_.over(key) <= 0.0)
+        return std::nullopt;
+    std::optional<Vec3> worst;
+    double most = guide_.tolerance();
+    const std::array<Vec3, 3> corners = complex_.corners(key);
+    for (int l = complex_.facet(key).landmark; l >= 0; l = complex_.next_landmark(l)) {
+        const Vec3 &point = guide_.landmarks()[l].point;
+        const double distance = norm(point - geometry::closest_on(corners, point));
+        if (distance > most) {
+            most = distance;
+            worst = point;
+        }
+    }
+    if (worst)
+        return worst;
+    SurfaceHints hints = complex_.facet(key).hints;
+    const auto gap = guide_.gap(complex_.patch_of(key[0], key[1], key[2]), corners, hints);
+    if (gap.distance <= guide_.tolerance())
+        return std::nullopt;
+    const Vec3 &w = gap.weights;
+    return w.x * corners[0] + w.y * corners[1] + w.z * corners[2] + gap.to_surface;
+}
+
+std::optional<int> Operators::refine(const Facet &key, const Vec3 &peak, double slack) {
+    constexpr double rounding = 1.0 + 1e-9;
+    if (const auto v = insert_on_surface(key, peak, slack))
+        return v;
+    const std::array<Vec3, 3> corners = complex_.corners(key);
+    const Vec3 off = peak - geometry::closest_on(corners, peak);
+    for (int k = 0; k < 3; ++k) {
+        const Vec3 beyond = peak - geometry::closest_on(std::array{corners[k], corners[(k + 1) % 3]}, peak);
+        if (dot(beyond, beyond) > rounding * dot(off, off))
+            continue;
+        if (const auto v = split(key[k], key[(k + 1) % 3], slack))
+            return v;
+    }
+    return std::nullopt;
+}
+
+std::optional<int> Operators::split(int a, int b, double slack) {
+    const double size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
+    if (norm(complex_.point(a) - complex_.point(b)) < 2.0 * shortest * size || !ring(a, b, ring_))
+        return std::nullopt;
+    Vertex middle;
+    middle.position = 0.5 * (complex_.point(a) + complex_.point(b));
+    middle.size = size;
+    std::vector<int> facet_apices;
+    std::vector<int> facet_patches;
+    for (int v : ring_.link) {
+        const int patch = complex_.patch_of(a, b, v);
+        if (patch < 0)
+            continue;
+        facet_apices.push_back(v);
+        facet_patches.push_back(patch);
+    }
+    const int curve = complex_.curve_of(a, b);
+    if ((curve >= 0 || !facet_patches.empty()) && !split_surface)
+        return std::nullopt;
+    if (curve >= 0) {
+        middle.stratum = Stratum::crease;
+        middle.label = curve;
+        middle.needle = std::max(complex_.vertex(a).needle, complex_.vertex(b).needle);
+    } else if (!facet_patches.empty()) {
+        middle.stratum = Stratum::patch;
+        middle.label = facet_patches[0];
+        middle.hint = complex_.facet(sorted(a, b, facet_apices[0])).hints[0];
+    }
+    if (middle.stratum == Stratum::patch)
+        for (int apex : facet_apices)
+            if (const auto peak = farthest(sorted(a, b, apex)))
+                middle.position = *peak;
+    if (!guide_.admit(middle, middle.position))
+        return std::nullopt;
+    const int v = complex_.add_vertex(middle);
+    double before = 0.0;
+    candidates_.clear();
+    regions_.clear();
+    for (std::size_t k = 0; k < ring_.tets.size(); ++k) {
+        const int p = ring_.link[k];
+        const int q = ring_.link[(k + 1) % ring_.link.size()];
+        before += complex_.energy(ring_.tets[k]);
+        candidates_.push_back({a, v, p, q});
+        candidates_.push_back({v, b, p, q});
+        regions_.push_back(complex_.region(ring_.tets[k]));
+    }
+    if (!candidates_below(before + slack))
+        return std::nullopt;
+    watch_.clear();
+    for (std::size_t k = 0; k < facet_apices.size(); ++k) {
+        watch_.goes(sorted(a, b, facet_apices[k]));
+        watch_.comes(sorted(a, v, facet_apices[k]), facet_patches[k]);
+        watch_.comes(sorted(v, b, facet_apices[k]), facet_patches[k]);
+    }
+    if (!watch_.allows_replacing())
+        return std::nullopt;
+    if (watch_.replace())
+        energy_.of(complex_, candidates_, energies_.data());
+    for (int t : ring_.tets)
+        complex_.remove_tet(t);
+    for (std::size_t k = 0; k < candidates_.size(); ++k)
+        complex_.add_tet(candidates_[k], regions_[k / 2], energies_[k]);
+    if (curve >= 0) {
+        complex_.remove_crease(sorted(a, b));
+        complex_.add_crease(sorted(a, v), curve);
+        complex_.add_crease(sorted(v, b), curve);
+    }
+    touch(v);
+    touch(a);
+    touch(b);
+    for (int w : ring_.link)
+        touch(w);
+    return v;
+}
+
+} // namespace wct::search

@@ -1,0 +1,201 @@
+#include "search/group_descent.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace wct::search {
+
+namespace {
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+} // namespace
+
+void GroupDescent::gather(int t) {
+    free_.clear();
+    tets_.clear();
+    number_.resize(complex_.vertex_slots(), -1);
+    for (int v : complex_.tet(t))
+        for (int s : complex_.star(v))
+            for (int w : complex_.tet(s))
+                if (number_[w] < 0 && guide_.moves(complex_.vertex(w))) {
+                    number_[w] = static_cast<int>(free_.size());
+                    free_.push_back(w);
+                }
+    for (int v : free_)
+        tets_.insert(tets_.end(), complex_.star(v).begin(), complex_.star(v).end());
+    std::sort(tets_.begin(), tets_.end());
+    tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
+    complex_.sort_worst_first(tets_);
+    corners_.resize(tets_.size());
+    for (std::size_t k = 0; k < tets_.size(); ++k)
+        for (int i = 0; i < 4; ++i)
+            corners_[k][i] = number_[complex_.tet(tets_[k])[i]];
+    for (int v : free_)
+        number_[v] = -1;
+}
+
+void GroupDescent::load() {
+    const std::size_t groups = (tets_.size() + energy::kLanes - 1) / energy::kLanes;
+    lanes_.resize(groups);
+    terms_.resize(groups);
+    for (std::size_t k = 0; k < groups * energy::kLanes; ++k) {
+        const Tet &tet = complex_.tet(tets_[std::min(k, tets_.size() - 1)]);
+        for (int i = 0; i < 4; ++i)
+            lanes_[k / energy::kLanes].set(static_cast<int>(k % energy::kLanes), i, complex_.point(tet[i]));
+        terms_[k / energy::kLanes].needle[static_cast<int>(k % energy::kLanes)] = SearchEnergy::needle(complex_, tet);
+    }
+    for (std::size_t g = 0; g < groups; ++g)
+        terms_[g].bounds = SearchEnergy::present_bounds(lanes_[g]);
+}
+
+/// Which way each free vertex may move; false if one may not move at all. On a curved surface that is along it: most of
+/// what leaves its tangent plane, the tolerance would refuse in the end.
+bool GroupDescent::hold() {
+    hints_.clear();
+    freedoms_.assign(free_.size(), {});
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        const Vertex &vertex = complex_.vertex(free_[i]);
+        hints_.push_back(vertex.hint);
+        if (vertex.stratum == Stratum::interior)
+            continue;
+        Vec3 x = vertex.position;
+        if (!guide_.admit(vertex, x, &freedoms_[i], hints_[i]))
+            return false;
+        if (freedoms_[i].kind != Freedom::Kind::space)
+            continue;
+        watch_.gather(free_[i]);
+        if (watch_.cost(nullptr) == 0.0) // else it may have to leave it
+            freedoms_[i] = {Freedom::Kind::plane, watch_.normal()};
+    }
+    return true;
+}
+
+/// Free vertices at from + t step, each on its stratum.
+void GroupDescent::place(const energy::Field &from, double t, const energy::Field &step, energy::Field &to) {
+    to = from;
+    energy::add(to, t, step);
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        const Vertex &vertex = complex_.vertex(free_[i]);
+        if (vertex.stratum != Stratum::interior)
+            guide_.admit(vertex, to[i], nullptr, hints_[i]);
+    }
+}
+
+/// The energy there, or infinity if it is above `limit`: then the gradient is not all there.
+double GroupDescent::evaluate(const energy::Field &at, double limit, energy::Field &gradient) {
+    gradient.assign(free_.size(), {});
+    double sum = 0.0;
+    for (std::size_t g = 0; g < lanes_.size(); ++g) {
+        const std::size_t first = g * energy::kLanes;
+        for (int lane = 0; lane < energy::kLanes; ++lane)
+            for (int i = 0; i < 4; ++i)
+                if (const int n = corners_[std::min(first + lane, tets_.size() - 1)][i]; n >= 0)
+                    lanes_[g].set(lane, i, at[n]);
+        energy::GradientLanes pull;
+        const int used = static_cast<int>(std::min<std::size_t>(energy::kLanes, tets_.size() - first));
+        const double left = limit - sum;
+        const double here = energy_.smooth(lanes_[g], terms_[g], used, left, pull);
+        if (!(here <= left))
+            return kInfinity;
+        if (here == 0.0)
+            continue;
+        sum += here;
+        for (int lane = 0; lane < used; ++lane)
+            for (int i = 0; i < 4; ++i)
+                if (const int n = corners_[first + lane][i]; n >= 0)
+                    gradient[n] += {pull.corner[i][0][lane], pull.corner[i][1][lane], pull.corner[i][2][lane]};
+    }
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        gradient[i] = freedoms_[i].of(gradient[i]);
+    return sum;
+}
+
+bool GroupDescent::relax_round(int t) {
+    constexpr std::size_t memory = 8;
+    constexpr int iterations = 10;
+    constexpr int halvings = 8;
+    constexpr double first = 0.05, most = 0.3; // steps, in sizes
+    constexpr double worth = 1e-3;             // relative drop for which to go on
+    gather(t);
+    if (free_.empty() || !hold())
+        return false;
+    load();
+    const double size = complex_.vertex(complex_.tet(t)[0]).size;
+    energy::Field at, next, gradient, slope;
+    for (int v : free_)
+        at.push_back(complex_.point(v));
+    double energy = evaluate(at, std::numeric_limits<double>::max(), gradient);
+    const double start = energy;
+    energy::LbfgsMemory pairs(memory);
+    for (int k = 0; k < iterations && energy > 0.0 && energy < kInfinity; ++k) {
+        energy::Field step = gradient;
+        if (pairs.empty())
+            for (Vec3 &v : step)
+                v = (-first * size / energy::longest(gradient)) * v;
+        else
+            step = pairs.direction(gradient);
+        for (std::size_t i = 0; i < free_.size(); ++i)
+            step[i] = freedoms_[i].of(step[i]);
+        const double descent = energy::inner(step, gradient);
+        double length = std::min(1.0, most * size / energy::longest(step));
+        double trial = kInfinity;
+        bool lower = false;
+        for (int halving = 0; halving < halvings && descent < 0.0 && !lower; ++halving, length *= 0.4) {
+            place(at, length, step, next);
+            trial = evaluate(next, energy + 1e-4 * length * descent, slope);
+            lower = trial < kInfinity;
+        }
+        if (!lower) {
+            if (pairs.empty())
+                break;
+            pairs.clear();
+            continue;
+        }
+        pairs.remember(at, next, gradient, slope);
+        const double gain = energy - trial;
+        at.swap(next);
+        gradient.swap(slope);
+        energy = trial;
+        if (gain < worth * energy)
+            break;
+    }
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        complex_.set_hint(free_[i], hints_[i]);
+    return energy < start && settle(at);
+}
+
+bool GroupDescent::settle(const energy::Field &at) {
+    complex_.mark();
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        const int v = free_[i];
+        if (complex_.vertex(v).stratum == Stratum::interior) {
+            complex_.move(v, at[i]);
+            continue;
+        }
+        watch_.gather(v);
+        const Vertex &vertex = complex_.vertex(v);
+        Vec3 x = at[i];
+        bool may = watch_.settle(x);
+        if (!may && vertex.stratum == Stratum::patch && !guide_.planar(vertex.label)) {
+            x = vertex.position + freedoms_[i].of(x - vertex.position); // not drawn back into the shell
+            may = watch_.settle(x);
+        }
+        if (may)
+            complex_.move(v, x);
+    }
+    measured_.clear();
+    for (int t : tets_)
+        measured_.push_back(complex_.tet(t));
+    energies_.resize(tets_.size());
+    energy_.of(complex_, measured_, energies_.data());
+    // Where some vertices stayed, a tet may have turned over between them and those that moved.
+    if (std::find(energies_.begin(), energies_.end(), kInfinity) != energies_.end()) {
+        complex_.rollback();
+        return false;
+    }
+    for (std::size_t k = 0; k < tets_.size(); ++k)
+        complex_.set_energy(tets_[k], energies_[k]);
+    complex_.commit();
+    return true;
+}
+
+} // namespace wct::search

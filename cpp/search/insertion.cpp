@@ -1,0 +1,228 @@
+// Adding a vertex in the middle of a cavity, inside or on the surface.
+
+#include "search/operators.h"
+
+#include <algorithm>
+
+namespace wct::search {
+
+namespace {
+
+/// Whether x lies in the smallest sphere through a facet's corners.
+bool in_facet_sphere(const std::array<Vec3, 3> &f, const Vec3 &x) {
+    const Vec3 u = f[1] - f[0], v = f[2] - f[0], n = cross(u, v);
+    const double nn = dot(n, n);
+    if (!(nn > 0.0))
+        return true;
+    const Vec3 r = (0.5 / nn) * (dot(u, u) * cross(v, n) + dot(v, v) * cross(n, u));
+    const Vec3 d = x - f[0] - r;
+    return dot(d, d) < dot(r, r);
+}
+
+} // namespace
+
+bool Operators::in_circumsphere(int t, const Vec3 &x) const {
+    const Tet &tet = complex_.tet(t);
+    const Vec3 &o = complex_.point(tet[0]);
+    const Vec3 u = complex_.point(tet[1]) - o, v = complex_.point(tet[2]) - o, w = complex_.point(tet[3]) - o;
+    const Vec3 a = cross(v, w), b = cross(w, u), c = cross(u, v);
+    const double det = dot(u, a);
+    if (det <= 0.0)
+        return false;
+    const Vec3 r = (0.5 / det) * (dot(u, u) * a + dot(v, v) * b + dot(w, w) * c);
+    const Vec3 d = x - o - r;
+    return dot(d, d) < dot(r, r);
+}
+
+bool Operators::grow_cavity(const Vec3 &x, const std::vector<Facet> &open) {
+    constexpr std::size_t largest = 60;
+    const std::size_t kept = cavity_.size();
+    for (std::size_t k = 0; k < cavity_.size(); ++k) {
+        const Tet tet = complex_.tet(cavity_[k]);
+        for (int i = 0; i < 4; ++i) {
+            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const int s = complex_.patch_of(p, q, r) >= 0 ? -1 : complex_.across(cavity_[k], p, q, r);
+            if (s < 0 || in_cavity(s) || !in_circumsphere(s, x))
+                continue;
+            cavity_.push_back(s);
+            if (cavity_.size() > largest)
+                return false;
+        }
+    }
+    return carve_cavity(x, open, kept);
+}
+
+bool Operators::carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std::size_t kept) {
+    const auto hidden = [&](int t) {
+        const Tet &tet = complex_.tet(t);
+        for (int i = 0; i < 4; ++i) {
+            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const Vec3 &o = complex_.point(p);
+            const Vec3 normal = cross(complex_.point(q) - o, complex_.point(r) - o);
+            if (dot(normal, complex_.point(tet[i]) - o) * dot(normal, x - o) > 0.0)
+                continue;
+            const bool surface = complex_.patch_of(p, q, r) >= 0;
+            if (surface && std::find(open.begin(), open.end(), sorted(p, q, r)) != open.end())
+                continue;
+            const int s = surface ? -1 : complex_.across(t, p, q, r);
+            if (s < 0 || !in_cavity(s))
+                return true;
+        }
+        return false;
+    };
+    for (bool again = true; again;) {
+        again = false;
+        for (std::size_t k = cavity_.size(); k-- > 0;)
+            if (hidden(cavity_[k])) {
+                if (k < kept)
+                    return false;
+                cavity_.erase(cavity_.begin() + static_cast<std::ptrdiff_t>(k));
+                again = true;
+            }
+    }
+    return true;
+}
+
+bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack) {
+    const Vec3 x = complex_.point(v);
+    candidates_.clear();
+    regions_.clear();
+    double before = 0.0;
+    std::vector<int> inside;
+    std::vector<Facet> wall;
+    std::vector<Edge> creases;
+    for (int t : cavity_) {
+        before += complex_.energy(t);
+        const Tet tet = complex_.tet(t);
+        inside.insert(inside.end(), tet.begin(), tet.end());
+        for (int i = 0; i < 4; ++i)
+            for (int k = 0; k < i; ++k)
+                if (complex_.curve_of(tet[i], tet[k]) >= 0)
+                    creases.push_back({tet[i], tet[k]});
+        for (int i = 0; i < 4; ++i) {
+            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const Facet key = sorted(p, q, r);
+            if (complex_.patch_of(p, q, r) >= 0) {
+                if (std::find(open.begin(), open.end(), key) != open.end())
+                    continue;
+            } else if (const int s = complex_.across(t, p, q, r); s >= 0 && in_cavity(s)) {
+                continue;
+            }
+            Tet coned = tet;
+            coned[i] = v;
+            candidates_.push_back(coned);
+            regions_.push_back(complex_.region(t));
+            wall.push_back(key);
+            for (int w : key)
+                if (norm(complex_.point(w) - x) < shortest * complex_.vertex(v).size)
+                    return false;
+        }
+    }
+    const auto on_wall = [&](int w) {
+        return std::any_of(wall.begin(), wall.end(),
+                           [&](const Facet &f) { return std::find(f.begin(), f.end(), w) != f.end(); });
+    };
+    if (!std::all_of(inside.begin(), inside.end(), on_wall))
+        return false; // a vertex would be left without a tet
+    // Round the free border of a sheet, and round a wire, nothing of the surface stops a cavity: it may hold all tets
+    // at an edge of them, which would be no edge any more.
+    for (const Edge &edge : creases)
+        if (std::none_of(wall.begin(), wall.end(), [&](const Facet &f) {
+                return std::find(f.begin(), f.end(), edge[0]) != f.end() &&
+                       std::find(f.begin(), f.end(), edge[1]) != f.end();
+            }))
+            return false;
+    return candidates_below(before + slack) && candidates_fit(cavity_);
+}
+
+void Operators::fill_cavity() {
+    for (int t : cavity_)
+        complex_.remove_tet(t);
+    for (std::size_t k = 0; k < candidates_.size(); ++k)
+        complex_.add_tet(candidates_[k], regions_[k], energies_[k]);
+    for (const Tet &tet : candidates_)
+        for (int w : tet)
+            touch(w);
+}
+
+std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
+    cavity_.assign(1, t0);
+    if (!grow_cavity(x, {}))
+        return std::nullopt;
+    Vertex vertex;
+    vertex.position = x;
+    for (int v : complex_.tet(t0))
+        vertex.size += 0.25 * complex_.vertex(v).size;
+    const int v = complex_.add_vertex(vertex);
+    if (!cone_cavity(v, {}, slack))
+        return std::nullopt;
+    fill_cavity();
+    return v;
+}
+
+std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &near, double slack) {
+    const int patch = complex_.patch_of(at[0], at[1], at[2]);
+    if (!split_surface || patch < 0)
+        return std::nullopt;
+    Vertex vertex;
+    vertex.position = near;
+    vertex.stratum = Stratum::patch;
+    vertex.label = patch;
+    const Facet first = sorted(at[0], at[1], at[2]);
+    vertex.hint = complex_.facet(first).hints[0];
+    for (int w : at)
+        vertex.size += complex_.vertex(w).size / 3.0;
+    if (!guide_.admit(vertex, vertex.position))
+        return std::nullopt;
+    const Vec3 x = vertex.position;
+    // The facets that make room, across edges that are no creases; an edge of one of them only is on their rim.
+    std::vector<Facet> open{first};
+    std::vector<Edge> edges;
+    std::vector<TetComplex::SurfaceAt> facets;
+    for (std::size_t k = 0; k < open.size(); ++k)
+        for (int i = 0; i < 3; ++i) {
+            const Edge edge = sorted(open[k][i], open[k][(i + 1) % 3]);
+            edges.push_back(edge);
+            if (complex_.curve_of(edge[0], edge[1]) >= 0)
+                continue;
+            complex_.surface_at(edge[0], facets);
+            for (const auto &[key, facet] : facets)
+                if (facet->patch == patch && std::find(key.begin(), key.end(), edge[1]) != key.end() &&
+                    std::find(open.begin(), open.end(), key) == open.end() && in_facet_sphere(complex_.corners(key), x))
+                    open.push_back(key);
+        }
+    std::sort(edges.begin(), edges.end());
+    std::vector<Edge> rim;
+    for (const Edge &edge : edges)
+        if (std::count(edges.begin(), edges.end(), edge) == 1)
+            rim.push_back(edge);
+    for (const Facet &f : open)
+        for (int w : f)
+            if (std::none_of(rim.begin(), rim.end(), [&](const Edge &e) { return e[0] == w || e[1] == w; }))
+                return std::nullopt; // w would leave the surface
+    cavity_.clear();
+    for (const Facet &f : open)
+        for (int t : complex_.star(f[0]))
+            if (complex_.has(t, f[1]) && complex_.has(t, f[2]))
+                cavity_.push_back(t);
+    std::sort(cavity_.begin(), cavity_.end());
+    cavity_.erase(std::unique(cavity_.begin(), cavity_.end()), cavity_.end());
+    if (!grow_cavity(x, open))
+        return std::nullopt;
+    const int v = complex_.add_vertex(vertex);
+    if (!cone_cavity(v, open, slack))
+        return std::nullopt;
+    watch_.clear();
+    for (const Facet &f : open)
+        watch_.goes(f);
+    for (const Edge &e : rim)
+        watch_.comes(sorted(e[0], e[1], v), patch);
+    if (!watch_.allows_replacing())
+        return std::nullopt;
+    if (watch_.replace())
+        energy_.of(complex_, candidates_, energies_.data());
+    fill_cavity();
+    return v;
+}
+
+} // namespace wct::search

@@ -1,0 +1,195 @@
+#include "search/local_search.h"
+
+#include "search/volume_balance.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace wct::search {
+
+namespace {
+/// The two forms the search alternates between: a broad one that pulls, and one close to counting.
+SearchForm broad_form(bool acute) {
+    SearchForm form;
+    form.shape = {.margin3 = 0.06,
+                  .power3 = 1.5,
+                  .margin2 = 0.04,
+                  .power2 = 2.0,
+                  .weight2 = acute ? 0.5 : 0.0,
+                  .weight_quality = 0.0};
+    form.count = 0.05;
+    return form;
+}
+
+SearchForm sharp_form(bool acute, double margin3 = 0.03, double margin2 = 0.02) {
+    SearchForm form;
+    form.shape = {.margin3 = margin3,
+                  .power3 = 1.0,
+                  .margin2 = margin2,
+                  .power2 = 2.0,
+                  .weight2 = acute ? 0.5 : 0.0,
+                  .weight_quality = 0.0};
+    form.count = 0.3;
+    return form;
+}
+/// Counts the tets that meet the goal without the margin asked for; those that miss the goal weigh more.
+SearchForm margin_form(bool acute, double margin) {
+    SearchForm form = sharp_form(acute, 1.5 * margin, 1.25 * margin);
+    form.clearance = margin;
+    form.hard_count = 1.0;
+    return form;
+}
+} // namespace
+
+Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
+    : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
+      operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_),
+      group_(complex, energy_, guide, watch_), random_(options.seed),
+      repair_(complex, energy_, operators_, descent_, group_, random_),
+      kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
+    operators_.flip_surface = options.flip_surface;
+    operators_.split_surface = options.split_surface;
+}
+
+void Search::adopt(const SearchForm &form) {
+    energy_.adopt(form);
+    for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
+        if (complex_.alive(static_cast<int>(t)))
+            complex_.set_energy(static_cast<int>(t), energy_.of_present(complex_, complex_.tet(static_cast<int>(t))));
+    complex_.resum();
+}
+
+std::vector<int> Search::bad_tets() const {
+    std::vector<int> bad;
+    for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
+        if (const int t = static_cast<int>(k); complex_.alive(t) && energy_.bad(complex_.energy(t)))
+            bad.push_back(t);
+    return bad;
+}
+
+void Search::sweep(int recipe) {
+    std::vector<int> tets = bad_tets();
+    if (recipe != 0)
+        std::erase_if(tets, [&](int t) { return complex_.ruled_out(t); });
+    repair_.pass_changed(recipe, tets);
+}
+
+void Search::widen_margins(const SearchProgress &progress) {
+    const auto bearable = [this](int bad) { return patience(bad) / 8; }; // less than for tets that miss the goal itself
+    const int before = count_bad();                                      // on facets that rule the goal out
+    const TetComplex saved = complex_;
+    adopt(margin_form(options_.acute, options_.margin));
+    sweep(1);
+    kick_until_good(progress, "margin", bearable);
+    // Several margins may have been bought with a tet that misses the goal.
+    adopt(sharp_form(options_.acute));
+    if (!outcome_.stopped)
+        kick_until_good(progress, "margin", bearable);
+    if (count_bad() > before)
+        complex_ = saved;
+    adopt(margin_form(options_.acute, options_.margin));
+}
+
+bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
+                             const std::function<long(int)> &bearable) {
+    constexpr long rest = 4096; // kicks between sums from scratch
+    kicks_.restart();
+    const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
+    int least = kicks_.bad();
+    std::optional<TetComplex> best; // the mesh with so few, once kicks may leave it worse
+    long vain = 0;                  // kicks since there were fewer bad tets than ever before
+    Price price;
+    const auto give_up = [&] {
+        if (best && kicks_.bad() > least)
+            complex_ = *std::move(best);
+        return false;
+    };
+    for (long done = 0; kicks_.bad() > 0; ++done) {
+        const long limit = std::max(1L, bearable(least));
+        if (vain >= limit || !worthwhile(price, least))
+            return give_up();
+        if (done % rest == 0)
+            complex_.resum();
+        outcome_.bad = beside + least;
+        if (done % 8 == 0 && !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
+            outcome_.stopped = true;
+            return give_up();
+        }
+        if (!best && kicks_.tried())
+            best = complex_;
+        ++outcome_.kicks;
+        const long before = energy_.evaluations();
+        outcome_.accepted += kicks_.once();
+        ++vain;
+        price.add(static_cast<double>(energy_.evaluations() - before), std::max(0, least - kicks_.bad()));
+        if (kicks_.bad() < least) {
+            least = kicks_.bad();
+            best.reset();
+            vain = 0;
+        }
+    }
+    return true;
+}
+
+void Search::Price::add(double evaluations, int fewer) {
+    constexpr double keep = 1.0 - 1.0 / 48.0;
+    spent += evaluations;
+    work = keep * work + evaluations;
+    gone = keep * gone + fewer;
+}
+
+bool Search::worthwhile(const Price &price, int bad) const {
+    const double worth = options_.worth;
+    constexpr double small = 3000.0; // tets: a mesh of less is worth as much
+    return price.spent < worth * small || price.work * bad <= worth * static_cast<double>(complex_.tets()) * price.gone;
+}
+
+long Search::patience(int bad) const {
+    // Few bad tets in many are worth long trying, and there will not be many such phases; where a good part of the mesh
+    // is bad, as round a surface that may not change, most of it is hopeless.
+    const double share = (static_cast<double>(complex_.tets()) + 2000.0) / (2000.0 * std::max(bad, 1));
+    return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, 0.005, 1.0)));
+}
+
+long Search::hurried(int bad) const {
+    return std::max(options_.kicks / 50, options_.kicks / 8 / std::max(bad, 1)); // the last few are worth more each
+}
+
+SearchOutcome Search::run(const SearchProgress &progress) {
+    const auto report = [&](const char *phase, double done) {
+        outcome_.bad = count_bad();
+        outcome_.stopped = !progress(phase, done, outcome_.bad);
+        return !outcome_.stopped;
+    };
+    watch_.begin();
+    constexpr int cycle = 3;      // passes, one of each recipe
+    constexpr double worth = 0.9; // what a cycle must bring the bad tets down to for another to begin
+    double before = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < options_.passes; ++k) {
+        adopt(k % cycle == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
+        if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0)
+            break;
+        if (k % cycle == 0) {
+            if (outcome_.bad > worth * before)
+                break;
+            before = outcome_.bad;
+        }
+        sweep(k % cycle);
+        ++outcome_.passes;
+    }
+    adopt(sharp_form(options_.acute));
+    const auto bearable = [this](int bad) { return options_.hurry ? hurried(bad) : patience(bad); };
+    const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", bearable) && report("kicks", 1.0);
+    if (good)
+        widen_margins(progress);
+    if (good || outcome_.stopped || !options_.hurry) // else more is to come
+        SurfaceBalance(complex_, energy_, guide_, descent_).run();
+    adopt(sharp_form(options_.acute));
+    outcome_.stuck = bad_tets();
+    outcome_.bad = static_cast<int>(outcome_.stuck.size());
+    outcome_.evaluations = energy_.evaluations();
+    return outcome_;
+}
+
+} // namespace wct::search

@@ -1,0 +1,84 @@
+#pragma once
+
+#include "search/kicks.h"
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+namespace wct::search {
+
+struct SearchOptions {
+    bool acute = true;    // aim at CWC; otherwise at 3WC alone
+    double margin = 0.02; // clearance in h/R and cosine aimed at once all tets meet the goal
+    bool flip_surface = true;
+    bool split_surface = true;
+    int passes = 12;    // greatest number of sweeps over all tets that fall short
+    long kicks = 4000;  // tries of the iterated local search in vain after which it stops; fewer where much is bad
+    bool hurry = false; // whether it should stop soon where the goal is not reached: there are other ways to go on
+    /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
+    double worth = std::numeric_limits<double>::infinity();
+    std::uint64_t seed = 0;
+};
+
+struct SearchOutcome {
+    int bad = 0;
+    std::vector<int> stuck; // the bad tets of the complex, once the search has ended
+    int passes = 0;
+    long kicks = 0;
+    long accepted = 0;
+    long evaluations = 0;
+    bool stopped = false;
+};
+
+/// Called now and then with the part done (of the present phase) and the number of bad tets; false stops the search.
+using SearchProgress = std::function<bool(const char *phase, double done, int bad)>;
+
+/// Makes a mesh well-centered by local changes: passes over the tets that fall short, each trying operators and keeping
+/// what lowers the energy; then iterated local search (Lourenço, Martin, Stützle 2003) at what is left: kick a
+/// neighbourhood, optimise it again, keep the result unless it got worse; then the same for the margins. Bad
+/// tets never increase from phase to phase, and every intermediate state is a valid mesh.
+class Search {
+  public:
+    Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options);
+
+    SearchOutcome run(const SearchProgress &progress);
+
+  private:
+    void adopt(const SearchForm &form);
+    /// Those that miss the goal, or are at a facet beyond the tolerance.
+    std::vector<int> bad_tets() const;
+    int count_bad() const { return static_cast<int>(bad_tets().size()); }
+    void sweep(int recipe);
+    /// How many kicks in vain to bear with this many bad tets left, and in a hurry.
+    long patience(int bad) const;
+    long hurried(int bad) const;
+    /// What kicks have cost and brought lately; old ones count less and less.
+    struct Price {
+        double spent = 0.0; // evaluations, all of them
+        double work = 0.0;  // of late
+        double gone = 0.0;  // bad tets, of late
+        void add(double evaluations, int fewer);
+    };
+    bool worthwhile(const Price &price, int bad) const;
+    /// Kick until no tet is bad, or as long as it pays; `bearable` is how many kicks in vain to bear for the number of
+    /// bad tets left.
+    bool kick_until_good(const SearchProgress &progress, const char *phase, const std::function<long(int)> &bearable);
+    /// Where all tets meet the goal: more clearance for those that do so narrowly, and none the worse for it.
+    void widen_margins(const SearchProgress &progress);
+
+    TetComplex &complex_;
+    const SurfaceGuide &guide_;
+    SearchOptions options_;
+    SearchEnergy energy_;
+    SurfaceWatch watch_;
+    Operators operators_;
+    StarDescent descent_;
+    GroupDescent group_;
+    Random random_;
+    Repair repair_;
+    Kicks kicks_;
+    SearchOutcome outcome_;
+};
+
+} // namespace wct::search

@@ -1,0 +1,118 @@
+#pragma once
+
+#include "search/search_energy.h"
+#include "search/surface_watch.h"
+#include "search/tet_complex.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+namespace wct::search {
+
+/// The tets round edge ab in order: (a, b, link[k], link[k+1]) is positive. `closed`: the last meets the first.
+struct Ring {
+    std::vector<int> link;
+    std::vector<int> tets;
+    bool closed = true;
+};
+
+/// Changes of connectivity. Each is refused (false, nothing changed) if it would leave a flat or inverted tet, a
+/// surface facet off its patch by more than the tolerance, a crease off its curve, a pinched surface, or raise the
+/// energy by `slack` or more. Surface facets keep their patch, crease edges their curve, tets their region, on hull and
+/// interfaces alike. Changes are journaled; vertices whose star changed are added to `touched`.
+class Operators {
+  public:
+    Operators(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, SurfaceWatch &watch)
+        : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
+
+    /// Swap edge ab for the best triangulation of its link (Klincsek's dynamic program): 3-2, 4-4, 5-6, ...; on the
+    /// surface the edge of two facets is flipped with it (2-2 there). A tet alone at an edge of the hull is cut off.
+    bool remove_edge(int a, int b, double slack);
+    /// Swap the facet of t opposite corner i for the edge between the two apices.
+    bool flip_23(int t, int i, double slack);
+    /// Move a onto b: a vanishes. A surface vertex only along the surface, a crease vertex along its crease.
+    bool collapse(int a, int b, double slack);
+    /// Halve ab by a new vertex; returns it. On failure after the vertex exists the caller's rollback removes it.
+    std::optional<int> split(int a, int b, double slack);
+    /// A new vertex at x in the cavity of tets round t0 whose circumspheres contain x; never across a surface facet.
+    std::optional<int> insert(int t0, const Vec3 &x, double slack);
+    /// A new vertex of the patch near x in the cavity of the surface facets round `at`, and of tets behind them, whose
+    /// circumspheres contain it: its facets are those of a Delaunay triangulation, as a split edge's are not.
+    std::optional<int> insert_on_surface(const Facet &at, const Vec3 &near, double slack);
+
+    /// Where the surface and a facet beyond the tolerance are farthest apart: the landmark farthest from the facet, or
+    /// else the point of the surface where the facet is farthest from it. A vertex there covers it best.
+    std::optional<Vec3> farthest(const Facet &key) const;
+    /// A new vertex of the surface there: in the cavity round the facet or else, where the surface goes on beyond an
+    /// edge of the facet, as at the bottom of a slot or the rim of a fin, on that edge.
+    std::optional<int> refine(const Facet &key, const Vec3 &peak, double slack);
+
+    bool ring(int a, int b, Ring &ring) const;
+    std::vector<int> touched;
+    void touch(int v);
+
+    /// Whether surface edges may be flipped, and split.
+    bool flip_surface = true;
+    bool split_surface = true;
+    /// New edges stay within these multiples of the wanted size.
+    double shortest = 0.35;
+    double longest = 2.2;
+
+  private:
+    struct Fan {
+        std::vector<int> polygon;
+        std::vector<int> tets;
+        std::vector<char> wanted; // whether a plan may have the edge i-j of the polygon
+        std::vector<double> pair; // energy of the two tets over triangle (i, k, j) of the polygon
+        std::vector<double> cost;
+        std::vector<int> choice;
+    };
+    bool plan(Fan &fan, int a, int b, double limit);
+    template <class Visit> static void each_triangle(const Fan &fan, const Visit &visit);
+    /// The tets of the plan become the candidates.
+    void take_planned(const Fan &fan, int a, int b);
+    void carry_out(const Fan &fan, int a, int b);
+    /// Whether facet abr or abs is farther from the surface than the tolerance.
+    bool beyond(int a, int b, int r, int s) const;
+    /// Whether the surface may go over ars and brs instead of abr and abs.
+    bool allows_swap(int a, int b, int r, int s, int patch);
+    bool flips_surface(int a, int b, int r, int s, int patch);
+    /// Where the ring of ab is one tet, with two facets on the outside, one of them beyond the tolerance: cut it off;
+    /// its other facets become the surface.
+    bool cut_ear(int a, int b, double slack);
+    /// Whether a and b are joined. A new edge between two that are would be there twice: a mesh that overlaps itself,
+    /// as folds narrower than the tolerance may, leaves room for it.
+    bool joined(int a, int b) const;
+    /// Whether the planned fan has an edge that is there already.
+    bool repeats(const Fan &fan) const;
+    /// Measures the candidates; whether they can be and cost less than `limit` together.
+    bool candidates_below(double limit);
+    /// Whether every facet is of two tets at most once the candidates are there for the tets that go: see joined.
+    bool candidates_fit(const std::vector<int> &gone) const;
+    bool collapse_links(int a, int b, const Ring &ring) const;
+    bool in_circumsphere(int t, const Vec3 &x) const;
+    bool in_cavity(int t) const { return std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end(); }
+    /// Take in the tets round those of the cavity whose circumspheres contain x, though none across a surface facet,
+    /// and give up those again that leave a facet on the wall which x does not see. False if there are too many, or if
+    /// such a facet is of a tet that was there at first; x need not see the `open` facets of the surface.
+    bool grow_cavity(const Vec3 &x, const std::vector<Facet> &open);
+    bool carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std::size_t kept);
+    /// Candidates from v to every facet of the cavity's wall but the `open` ones of the surface.
+    bool cone_cavity(int v, const std::vector<Facet> &open, double slack);
+    void fill_cavity();
+
+    TetComplex &complex_;
+    const SearchEnergy &energy_;
+    const SurfaceGuide &guide_;
+    SurfaceWatch &watch_;
+    Fan fans_[2];
+    Ring ring_;
+    std::vector<Tet> candidates_;
+    std::vector<double> energies_;
+    std::vector<int> regions_;
+    std::vector<int> pairs_;
+    std::vector<int> cavity_;
+};
+
+} // namespace wct::search

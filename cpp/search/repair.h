@@ -1,0 +1,73 @@
+#pragma once
+
+#include "base/random.h"
+#include "search/group_descent.h"
+#include "search/operators.h"
+#include "search/vertex_descent.h"
+
+#include <utility>
+#include <vector>
+
+namespace wct::search {
+
+/// Local repair of bad tets: tries to move their neighbourhood, then operators, moves the vertices these touched, and
+/// keeps what lowers the energy.
+class Repair {
+  public:
+    enum Kind : unsigned {
+        edges = 1,
+        facets = 2,
+        collapses = 4,
+        splits = 8,
+        inserts = 16,
+        nudges = 32,
+        chains = 64,
+        groups = 128
+    };
+    struct Recipe {
+        unsigned operators; // bits of Kind
+        double slack;       // how much worse an operator may leave things before relaxation
+        int rounds, steps, flips;
+    };
+    /// From the cheapest to the widest choice of operators.
+    static const Recipe recipes[3];
+
+    Repair(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
+           GroupDescent &group, Random &random)
+        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), group_(group), random_(random) {
+    }
+
+    /// One pass over the tets, worst first; those that are gone or good by then are left out.
+    void pass(const Recipe &recipe, const std::vector<int> &tets);
+    /// The same, but tets tried in vain by this recipe before are left out until something changes round them.
+    void pass_changed(int recipe, const std::vector<int> &tets);
+    /// A random change of connectivity at t that need not be good.
+    bool random_operator(int t, double slack);
+    /// A new vertex on a surface facet of t: where the facet is farthest beyond the tolerance, or anywhere on it.
+    std::optional<int> insert_on_facet(int t, double slack);
+    /// Flips that lower the energy, round the given vertices.
+    void flip_round(const std::vector<int> &vertices);
+
+  private:
+    bool attempt(unsigned kind, int variant, int t, double slack);
+    bool chain(int t);
+    bool insert_inside(int t, bool anywhere, double slack);
+    void relax_touched(const Recipe &recipe);
+    void improve(const Recipe &recipe, int t);
+    bool changed_since(int t, int when) const;
+
+    TetComplex &complex_;
+    const SearchEnergy &energy_;
+    Operators &operators_;
+    StarDescent &descent_;
+    GroupDescent &group_;
+    Random &random_;
+    std::vector<int> order_;
+    std::vector<std::pair<unsigned, int>> tries_, row_;
+    int clock_ = 0;
+    std::vector<int> changed_at_;  // by tet
+    std::vector<int> tried_at_[3]; // by tet, for each recipe
+    std::vector<int> changed_;
+};
+
+} // namespace wct::search

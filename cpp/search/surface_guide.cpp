@@ -1,0 +1,313 @@
+#include "search/surface_guide.h"
+
+#include "geometry/box_tree.h"
+#include "geometry/edge_near_pieces.h"
+#include "geometry/kept_extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace wct::search {
+
+namespace {
+constexpr double kFlat = 1e-9; // of the patch's extent: what counts as planar or straight
+
+// Shares of the tolerance. Vertices of curved patches stay in a shell; edges are held all along, so they get nearly all
+// of it; the inside of facets is held at a few points only.
+constexpr double kShell = 0.97;
+constexpr double kTube = 0.5;
+constexpr geometry::NearAlong kAlong = {0.975, 0.985};
+constexpr double kInside = 0.93;
+constexpr double kCovered = 0.94; // landmarks: what is between them may be a little farther
+/// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
+constexpr double kBend = 0.99939;
+/// They are no farther apart than this share of the tolerance over the sine of half the bend, but no more than kParts
+/// to an edge.
+constexpr double kApart = 0.3;
+constexpr int kParts = 1024;
+
+/// Where a facet is held against the surface: its centroid, half-way from there to the corners, and, only to measure
+/// how far it is, the middles of its edges.
+constexpr int kSamples = 7;
+constexpr int kInner = 4;
+constexpr double kWeights[kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
+                                          {.666, .167, .167},
+                                          {.167, .666, .167},
+                                          {.167, .167, .666},
+                                          {.5, .5, 0},
+                                          {0, .5, .5},
+                                          {.5, 0, .5}};
+
+Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
+    return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
+}
+
+} // namespace
+
+SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing)
+    : tolerance_(tolerance), covered_(kCovered * tolerance) {
+    geometry::Box box;
+    for (const Vec3 &p : surface.points)
+        box.add(p);
+    kept_ = geometry::kept_extent(box.diagonal(), tolerance);
+    make_patches(surface);
+    make_curves(surface);
+    make_corners(surface);
+    make_landmarks(surface, spacing);
+}
+
+void SurfaceGuide::make_patches(const Surface &surface) {
+    const auto &[points, triangles, patch, segments, curve] = surface;
+    const int patches = patch.empty() ? 0 : *std::max_element(patch.begin(), patch.end()) + 1;
+    std::vector<std::vector<Facet>> of_patch(patches);
+    for (std::size_t k = 0; k < triangles.size(); ++k)
+        of_patch[patch[k]].push_back(triangles[k]);
+    for (const auto &members : of_patch) {
+        std::vector<std::array<Vec3, 3>> pieces;
+        for (const Facet &f : members)
+            pieces.push_back({points[f[0]], points[f[1]], points[f[2]]});
+        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}, {}};
+        // The largest triangle's plane is the best conditioned one; interfaces may wind either way, so not the sum.
+        double largest = -1.0, extent = 0.0, off = 0.0;
+        for (const Facet &f : members) {
+            const Vec3 n = cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]);
+            if (norm(n) > largest) {
+                largest = norm(n);
+                one.normal = unit(n);
+                one.origin = points[f[0]];
+            }
+        }
+        for (const Facet &f : members)
+            for (int v : f) {
+                extent = std::max(extent, norm(points[v] - one.origin));
+                off = std::max(off, std::abs(dot(points[v] - one.origin, one.normal)));
+            }
+        one.planar = extent > kept_ && off <= kFlat * extent;
+        patches_.push_back(std::move(one));
+    }
+}
+
+void SurfaceGuide::make_curves(const Surface &surface) {
+    const auto &[points, triangles, patch, segments, curve] = surface;
+    const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
+    std::map<Edge, std::set<int>> planes; // planar patches at each edge
+    std::set<Edge> curved;                // edges of the others
+    for (std::size_t k = 0; k < triangles.size(); ++k)
+        for (int i = 0; i < 3; ++i) {
+            const Edge edge = sorted(triangles[k][i], triangles[k][(i + 1) % 3]);
+            if (patches_[patch[k]].planar)
+                planes[edge].insert(patch[k]);
+            else
+                curved.insert(edge);
+        }
+    std::vector<std::vector<Edge>> of_curve(curves);
+    for (std::size_t k = 0; k < segments.size(); ++k)
+        of_curve[curve[k]].push_back(segments[k]);
+    for (const auto &members : of_curve) {
+        std::vector<std::array<Vec3, 2>> pieces;
+        for (const Edge &s : members)
+            pieces.push_back({points[s[0]], points[s[1]]});
+        Curve one{geometry::BoundingTree<2>(std::move(pieces)), false, false, {}, {}, {}};
+        Vec3 far = {};
+        double extent = 0.0, off = 0.0;
+        if (!members.empty())
+            one.origin = points[members[0][0]];
+        for (const Edge &s : members)
+            for (int v : s)
+                if (norm(points[v] - one.origin) > extent) {
+                    far = points[v] - one.origin;
+                    extent = norm(far);
+                }
+        one.direction = unit(far);
+        for (const Edge &s : members)
+            for (int v : s)
+                off = std::max(off, norm(cross(points[v] - one.origin, one.direction)));
+        std::set<int> shared = members.empty() ? std::set<int>{} : planes[sorted(members[0][0], members[0][1])];
+        for (const Edge &s : members)
+            std::erase_if(shared, [&](int p) { return !planes[sorted(s[0], s[1])].contains(p); });
+        // Where two planes are kept, so is their line.
+        one.straight = (extent > kept_ || shared.size() > 1) && off <= kFlat * extent;
+        one.bare = !one.straight && std::none_of(members.begin(), members.end(),
+                                                 [&](const Edge &s) { return curved.contains(sorted(s[0], s[1])); });
+        if (!shared.empty()) // a curved line has one plane
+            one.normal = patches_[*shared.begin()].normal;
+        curves_.push_back(std::move(one));
+    }
+}
+
+void SurfaceGuide::make_corners(const Surface &surface) {
+    for (const Edge &s : surface.segments)
+        for (int v : s)
+            corners_.emplace(v, surface.points[v]);
+    for (std::size_t k = 0; k < surface.segments.size(); ++k)
+        if (curves_[surface.curve[k]].straight)
+            for (int v : surface.segments[k])
+                corners_.erase(v);
+    for (std::size_t k = 0; k < surface.triangles.size(); ++k)
+        if (patches_[surface.patch[k]].planar)
+            for (int v : surface.triangles[k])
+                corners_.erase(v);
+}
+
+void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
+    const auto &[points, triangles, patch, segments, curve] = surface;
+    std::set<std::array<int, 2>> seen; // patch and vertex
+    // By patch and edge: of the triangle seen first, as if it ran along the edge from the smaller end to the other.
+    std::map<std::array<int, 3>, Vec3> normals;
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+        if (patches_[patch[k]].planar)
+            continue;
+        const Facet &t = triangles[k];
+        const Vec3 normal = unit(normal_of({points[t[0]], points[t[1]], points[t[2]]}));
+        for (int i = 0; i < 3; ++i) {
+            if (seen.insert({patch[k], t[i]}).second)
+                landmarks_.push_back({points[t[i]], patch[k], false});
+            const Edge edge = sorted(t[i], t[(i + 1) % 3]);
+            const Vec3 along = t[i] == edge[0] ? normal : -1.0 * normal;
+            const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, along);
+            const double bend = -dot(found->second, along); // its cosine: what follows it runs the other way
+            if (first || bend > kBend)
+                continue;
+            // The sharper the bend, the faster the distance may grow between landmarks.
+            const double apart = std::min(spacing, kApart * tolerance_ / std::sqrt(0.5 * (1.0 - bend)));
+            const Vec3 &a = points[edge[0]], &b = points[edge[1]];
+            const int parts = std::min(kParts, static_cast<int>(std::ceil(norm(b - a) / apart)));
+            for (int p = 1; p < parts; ++p)
+                landmarks_.push_back({a + (static_cast<double>(p) / parts) * (b - a), patch[k], p + 1 < parts});
+        }
+    }
+}
+
+bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const {
+    Freedom left;
+    const auto pull_to = [&](const Vec3 &foot, double reach) {
+        const Vec3 off = x - foot;
+        const double length = norm(off);
+        if (length > reach)
+            x = foot + (reach / length) * off;
+    };
+    const auto clamp = [&](const auto &tree, double reach) {
+        const auto near = tree.downhill(x, reach * reach, hint);
+        hint = near.piece;
+        if (near.square <= reach * reach)
+            return;
+        const auto found = tree.closest(x, hint);
+        hint = found.piece;
+        pull_to(found.point, reach);
+    };
+    switch (vertex.stratum) {
+    case Stratum::interior:
+        break;
+    case Stratum::patch: {
+        const Patch &patch = patches_[vertex.label];
+        if (patch.planar) {
+            x -= dot(x - patch.origin, patch.normal) * patch.normal;
+            left = {Freedom::Kind::plane, patch.normal};
+            break;
+        }
+        clamp(patch.tree, kShell * tolerance_);
+        break;
+    }
+    case Stratum::crease: {
+        const Curve &curve = curves_[vertex.label];
+        if (curve.straight) {
+            x = curve.origin + dot(x - curve.origin, curve.direction) * curve.direction;
+            left = {Freedom::Kind::line, curve.direction};
+            break;
+        }
+        if (curve.normal) {
+            x -= dot(x - curve.origin, *curve.normal) * *curve.normal;
+            left = {Freedom::Kind::plane, *curve.normal};
+        }
+        clamp(curve.tree, kTube * tolerance_);
+        break;
+    }
+    case Stratum::corner: {
+        const auto home = corners_.find(vertex.label);
+        if (home == corners_.end())
+            return false;
+        pull_to(home->second, kTube * tolerance_);
+        break;
+    }
+    }
+    if (freedom)
+        *freedom = left;
+    return true;
+}
+
+bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
+    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const double inside = kInside * kInside * tolerance_ * tolerance_;
+    const auto sample_near = [&](int k) {
+        const std::int32_t found = tree.within(blend(kWeights[k], corners), inside, hints[k]);
+        if (found >= 0)
+            hints[k] = found;
+        return found >= 0;
+    };
+    if (!sample_near(0))
+        return false;
+    const Vec3 n = normal_of(corners);
+    const Vec3 m = normal_of(tree.pieces()[hints[0]]);
+    if (std::abs(dot(n, m)) < 0.6 * norm(n) * norm(m))
+        return false;
+    // What is not near is mostly not near in the middle of an edge, or else inside; the whole length comes last.
+    for (int k = 0; k < 3; ++k)
+        if (edges >> k & 1u && !sample_near(kInner + k))
+            return false;
+    for (int k = 1; k < kInner; ++k)
+        if (!sample_near(k))
+            return false;
+    for (int k = 0; k < 3; ++k)
+        if (edges >> k & 1u &&
+            !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], tolerance_, hints[kSamples + k]))
+            return false;
+    return true;
+}
+
+SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
+                                    double enough) const {
+    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    Gap worst;
+    for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
+        const auto &weights = kWeights[k];
+        const Vec3 x = blend(weights, corners);
+        if (worst.distance > 0.0 && tree.reaches(hints[k], x, worst.distance * worst.distance))
+            continue; // no farther than another is
+        const auto found = tree.closest(x, hints[k]);
+        hints[k] = found.piece;
+        const Vec3 to = found.point - x;
+        if (norm(to) > worst.distance)
+            worst = {norm(to), {weights[0], weights[1], weights[2]}, to};
+    }
+    return worst;
+}
+
+double SurfaceGuide::offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const {
+    // The middles of the edges: exact where the distance is quadratic over the facet, as it is over a smooth surface.
+    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    double sum = 0.0;
+    for (int k = kInner; k < kSamples; ++k) {
+        const Vec3 x = blend(kWeights[k], corners);
+        const auto found = tree.closest(x, hints[k]);
+        const Vec3 off = x - found.point;
+        sum += dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
+    }
+    return sum / (kSamples - kInner);
+}
+
+Vec3 SurfaceGuide::normal(int patch, const Vec3 &x) const {
+    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    return unit(normal_of(tree.pieces()[tree.closest(x).piece]));
+}
+
+bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const {
+    const Curve &guide = curves_[curve];
+    if (guide.straight)
+        return true;
+    std::int32_t first = 0;
+    return kAlong.all_near(guide.tree, p, q, tolerance_, first);
+}
+
+} // namespace wct::search

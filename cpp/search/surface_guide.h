@@ -1,0 +1,128 @@
+#pragma once
+
+#include "geometry/piece_tree.h"
+#include "search/tet_complex.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace wct::search {
+
+/// Which way a vertex may move: along all of space, a plane (axis: its unit normal) or a line (its unit direction).
+struct Freedom {
+    enum class Kind : std::uint8_t { space, plane, line } kind = Kind::space;
+    Vec3 axis;
+
+    /// What is left of v.
+    Vec3 of(const Vec3 &v) const {
+        return kind == Kind::space ? v : kind == Kind::line ? dot(v, axis) * axis : v - dot(v, axis) * axis;
+    }
+};
+
+/// The surface the boundary and the interfaces must stay near, cut into patches and curves: where a vertex may be, and
+/// which facets are near enough. Planar patches and straight curves are kept exactly, unless they are so small that the
+/// tolerance lets them turn. On curved patches vertices are free in a shell round the surface, so that facets can cut
+/// through it and keep the volume, and on curved creases in a tube (in the plane of the planar patch at the crease, if
+/// there is one). Corners where nothing is kept exactly are free in a ball.
+class SurfaceGuide {
+  public:
+    struct Surface {
+        const std::vector<Vec3> &points;
+        const std::vector<Facet> &triangles;
+        const std::vector<int> &patch; // of each triangle, from 0
+        const std::vector<Edge> &segments;
+        const std::vector<int> &curve; // of each segment, from 0
+    };
+    /// `tolerance` is a length. Landmarks on edges of the surface are no farther apart than `spacing`.
+    SurfaceGuide(const Surface &surface, double tolerance, double spacing);
+
+    /// Whether the vertex may move at all.
+    bool moves(const Vertex &vertex) const {
+        return vertex.stratum != Stratum::corner || corners_.contains(vertex.label);
+    }
+    /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is
+    /// where the surface was found last, the vertex's own at first.
+    bool admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const;
+    bool admit(const Vertex &vertex, Vec3 &x) const {
+        std::int32_t hint = vertex.hint;
+        return admit(vertex, x, nullptr, hint);
+    }
+
+    double tolerance() const { return tolerance_; }
+    std::size_t patches() const { return patches_.size(); }
+    bool planar(int patch) const { return patches_[patch].planar; }
+    /// Whether the curve is kept exactly, or a planar patch beside it.
+    bool exact(int curve) const { return curves_[curve].straight || curves_[curve].normal; }
+
+    /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges`
+    /// says that the edge from corner k to the next is to be looked at along its whole length; the others are known to
+    /// be near.
+    bool near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const;
+    /// How far a facet is from its patch, as found at sample points: the farthest of them, in weights of the corners,
+    /// and the vector from there to the surface.
+    struct Gap {
+        double distance = 0.0;
+        Vec3 weights, to_surface;
+    };
+    /// No farther sample is looked for once one is farther than `enough`.
+    Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
+            double enough = std::numeric_limits<double>::infinity()) const;
+    /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
+    double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
+    /// Unit normal of the patch where it is closest to x.
+    Vec3 normal(int patch, const Vec3 &x) const;
+    bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
+    /// Whether the curve bends and no curved patch is beside it, as round a flat sheet and along a wire: then no facet
+    /// that is held near its patch holds the crease near the curve.
+    bool bare(int curve) const { return curves_[curve].bare; }
+
+    /// Points of the surface that facets must stay near, too: vertices of curved patches, and points on edges where
+    /// they bend.
+    struct Landmark {
+        Vec3 point;
+        int patch;
+        bool joined; // to the next one, by a straight edge
+    };
+    const std::vector<Landmark> &landmarks() const { return landmarks_; }
+    /// Whether the facet is within the tolerance of the landmark.
+    bool covers(const std::array<Vec3, 3> &corners, int landmark) const {
+        const Vec3 &point = landmarks_[landmark].point;
+        return covers(point - geometry::closest_on(corners, point));
+    }
+    bool covers(const std::array<Vec3, 3> &corners, const geometry::TriangleFrame &frame, int landmark) const {
+        const Vec3 &point = landmarks_[landmark].point;
+        return covers(point - geometry::closest_on(corners, frame, point));
+    }
+
+  private:
+    bool covers(const Vec3 &off) const { return dot(off, off) <= covered_ * covered_; }
+
+    struct Patch {
+        geometry::BoundingTree<3> tree;
+        bool planar = false;
+        Vec3 normal, origin;
+    };
+    struct Curve {
+        geometry::BoundingTree<2> tree;
+        bool straight = false;
+        bool bare = false;
+        Vec3 direction, origin;
+        std::optional<Vec3> normal; // of the planar patch at the curve
+    };
+    void make_patches(const Surface &surface);
+    void make_curves(const Surface &surface);
+    void make_corners(const Surface &surface);
+    void make_landmarks(const Surface &surface, double spacing);
+
+    std::vector<Patch> patches_;
+    std::vector<Curve> curves_;
+    std::map<int, Vec3> corners_; // by point of the surface: those on creases that may move if they are corners
+    std::vector<Landmark> landmarks_;
+    double tolerance_;
+    double covered_;    // as far a landmark may be from the facet that covers it
+    double kept_ = 0.0; // extent from which on planes and lines are kept exactly
+};
+
+} // namespace wct::search

@@ -1,0 +1,105 @@
+#pragma once
+
+#include "search/surface_guide.h"
+#include "search/tet_complex.h"
+
+#include <array>
+#include <vector>
+
+namespace wct::search {
+
+/// Keeps the surface facets of a complex and the surface they stand for within the tolerance of each other, both ways,
+/// while facets move or are replaced: the facets by where they are, the surface by its landmarks, each of which is
+/// owned by a facet that covers it. A facet that was beyond the tolerance from the start may stay so, but not get
+/// farther.
+class SurfaceWatch {
+  public:
+    SurfaceWatch(TetComplex &complex, const SurfaceGuide &guide) : complex_(complex), guide_(guide) {}
+
+    /// Give every landmark to the nearest facet, and note which facets are beyond the tolerance.
+    void begin();
+
+    // Replacing facets: clear, name those that go and those that come, ask, and only then carry out.
+    void clear();
+    void goes(const Facet &key);
+    void comes(const Facet &key, int patch);
+    bool allows_replacing();
+    /// Add the facets that come, hand them the landmarks, and remove those that go. The energies of tets at facets that
+    /// stay over are then to be measured anew: true if there are such facets.
+    bool replace();
+
+    /// How far beyond the tolerance facets that come may be for now, in tolerances: a neighbourhood that is being
+    /// rearranged may leave it on the way. 0 at rest.
+    double loose = 0.0;
+
+    /// Moving vertex v: name it, ask about places for it, and settle at one. That is granted where it is the place that
+    /// was allowed last; of others the answer may be another than before: near two sheets of the surface it may depend
+    /// on what was found near the place asked about last.
+    void gather(int v);
+    bool allows(const Vec3 &x);
+    bool settle(const Vec3 &x);
+    /// What facets beyond the tolerance cost at the place asked about last: the sum of 1 + over, and its gradient with
+    /// respect to the vertex.
+    double cost(Vec3 *gradient) const;
+    /// Unit normal of the surface at the vertex where it stands: the mean of its facets', larger ones count more.
+    Vec3 normal() const;
+
+  private:
+    struct Piece {
+        Facet key;
+        int patch;
+        bool planar;
+        std::array<Vec3, 3> corners;
+        unsigned edges = 7; // those to be looked at along their length
+        double was_over = 0.0;
+        double over = 0.0;
+        Vec3 pull; // gradient of over with respect to the moving vertex
+        SurfaceHints hints{};
+        int landmark = -1; // first of those that it covers
+    };
+    struct Beside {
+        Facet key;
+        int patch;
+        std::array<Vec3, 3> corners;
+    };
+    struct Handed {
+        int landmark;
+        Facet to;
+    };
+    bool facets_allow(const Vec3 &x);
+    bool creases_allow(const Vec3 &x) const;
+    Piece piece(const Facet &key, int patch) const;
+    /// One that is in the complex.
+    Piece present(const Facet &key, const TetComplex::SurfaceFacet &facet) const;
+    void skip_known_edges();
+    /// How far over the tolerance the piece is where it is now; whether it may be, up to `allowed`.
+    bool near(Piece &piece, double allowed) const;
+    bool landmarks_covered();
+    bool landmarks_covered(std::size_t piece);
+    bool landmarks_left(std::size_t piece);
+    bool leave(int landmark, std::size_t piece);
+    bool cover(int landmark, const Piece &owner);
+    const std::vector<Beside> &beside(int v);
+    Piece *nearest(int landmark, int patch);
+    double over(double distance) const;
+    void farther(Piece &piece, double distance, const Vec3 &at, const Vec3 &to_surface) const;
+
+    TetComplex &complex_;
+    const SurfaceGuide &guide_;
+    int vertex_ = -1;        // that moves, or -1 while facets are replaced
+    std::vector<int> along_; // ends of its creases that no facet holds near their curve, and that are near it
+    std::vector<Piece> old_;
+    std::vector<Piece> new_;
+    std::vector<Handed> handed_;
+    std::vector<std::pair<int, std::vector<Beside>>> beside_; // per vertex asked about: the facets there that stay
+    struct Allowed {
+        Vec3 at;
+        std::vector<Piece> pieces;
+        std::vector<Handed> handed;
+    };
+    Allowed allowed_; // the place allowed last, and what is to be noted there
+    std::size_t suspect_ = 0;
+    std::vector<TetComplex::SurfaceAt> facets_;
+};
+
+} // namespace wct::search

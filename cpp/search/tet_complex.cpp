@@ -1,0 +1,369 @@
+#include "search/tet_complex.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace wct::search {
+
+Edge sorted(int a, int b) {
+    return a < b ? Edge{a, b} : Edge{b, a};
+}
+
+Facet sorted(int a, int b, int c) {
+    if (a > b)
+        std::swap(a, b);
+    if (b > c)
+        std::swap(b, c);
+    if (a > b)
+        std::swap(a, b);
+    return {a, b, c};
+}
+
+namespace {
+std::uint64_t mixed(std::uint64_t x) { // splitmix64's finisher
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+} // namespace
+
+std::size_t KeyHash::operator()(const Edge &key) const {
+    return mixed((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1]));
+}
+
+std::size_t KeyHash::operator()(const Facet &key) const {
+    return mixed(mixed((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1])) +
+                 static_cast<std::uint32_t>(key[2]));
+}
+
+bool TetComplex::has(int t, int v) const {
+    const Tet &tet = tets_[t];
+    return tet[0] == v || tet[1] == v || tet[2] == v || tet[3] == v;
+}
+
+int TetComplex::across(int t, int a, int b, int c) const {
+    for (int other : stars_[a])
+        if (other != t && has(other, b) && has(other, c))
+            return other;
+    return -1;
+}
+
+const TetComplex::SurfaceFacet *TetComplex::surface_facet(int a, int b, int c) const {
+    // Three surface vertices are rare inside, and the look-up is not free.
+    if (vertices_[a].stratum == Stratum::interior || vertices_[b].stratum == Stratum::interior ||
+        vertices_[c].stratum == Stratum::interior)
+        return nullptr;
+    const auto found = surface_.find(sorted(a, b, c));
+    return found == surface_.end() ? nullptr : &found->second;
+}
+
+int TetComplex::patch_of(int a, int b, int c) const {
+    const SurfaceFacet *found = surface_facet(a, b, c);
+    return found ? found->patch : -1;
+}
+
+bool TetComplex::ruled_out(int t) const {
+    if (!any_ruled_out_)
+        return false;
+    const Tet &tet = tets_[t];
+    return std::any_of(std::begin(kFacets), std::end(kFacets), [&](const auto &facet) {
+        const SurfaceFacet *found = surface_facet(tet[facet[0]], tet[facet[1]], tet[facet[2]]);
+        return found && found->ruled_out;
+    });
+}
+
+void TetComplex::surface_at(int v, std::vector<SurfaceAt> &facets) const {
+    facets.clear();
+    if (vertices_[v].stratum == Stratum::interior)
+        return;
+    for (int t : stars_[v]) {
+        const Tet &tet = tets_[t];
+        for (int i = 0; i < 4; ++i) {
+            if (tet[i] == v)
+                continue;
+            const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
+            const SurfaceFacet *facet = surface_facet(key[0], key[1], key[2]);
+            if (facet && std::none_of(facets.begin(), facets.end(),
+                                      [&](const SurfaceAt &known) { return same(known.key, key); }))
+                facets.push_back({key, facet});
+        }
+    }
+}
+
+std::vector<std::pair<Facet, int>> TetComplex::sorted_surface() const {
+    std::vector<std::pair<Facet, int>> facets;
+    facets.reserve(surface_.size());
+    for (const auto &[key, facet] : surface_)
+        facets.push_back({key, facet.patch});
+    std::sort(facets.begin(), facets.end());
+    return facets;
+}
+
+void TetComplex::sort_worst_first(std::vector<int> &tets) const {
+    std::sort(tets.begin(), tets.end(),
+              [&](int a, int b) { return energies_[a] != energies_[b] ? energies_[a] > energies_[b] : a < b; });
+}
+
+double TetComplex::over(const Tet &tet) const {
+    if (over_count_ == 0)
+        return 0.0;
+    double sum = 0.0;
+    for (const auto &facet : kFacets) {
+        const int a = tet[facet[0]], b = tet[facet[1]], c = tet[facet[2]];
+        if (over_at_[a] == 0 || over_at_[b] == 0 || over_at_[c] == 0)
+            continue;
+        const auto found = surface_.find(sorted(a, b, c));
+        if (found != surface_.end() && found->second.over > 0.0)
+            sum += 1.0 + found->second.over;
+    }
+    return sum;
+}
+
+void TetComplex::set_over(const Facet &key, double over) {
+    SurfaceFacet &facet = surface_.at(key);
+    if (facet.over == over)
+        return;
+    note({Kind::set_over, 0, facet.over, {}, key});
+    count_over(key, (over > 0.0) - (facet.over > 0.0));
+    facet.over = over;
+}
+
+void TetComplex::count_over(const Facet &key, int change) {
+    over_count_ += change;
+    for (int v : key)
+        over_at_[v] += change;
+}
+
+void TetComplex::own(int landmark, const Facet &owner) {
+    SurfaceFacet &facet = surface_.at(owner);
+    landmarks_[landmark] = {owner, facet.landmark, -1};
+    if (facet.landmark >= 0)
+        landmarks_[facet.landmark].previous = landmark;
+    facet.landmark = landmark;
+}
+
+void TetComplex::disown(int landmark) {
+    const Landmark &gone = landmarks_[landmark];
+    if (gone.previous >= 0)
+        landmarks_[gone.previous].next = gone.next;
+    else
+        surface_.at(gone.owner).landmark = gone.next;
+    if (gone.next >= 0)
+        landmarks_[gone.next].previous = gone.previous;
+}
+
+void TetComplex::add_landmark(const std::optional<Facet> &owner) {
+    landmarks_.emplace_back();
+    if (owner)
+        own(static_cast<int>(landmarks_.size()) - 1, *owner);
+}
+
+void TetComplex::forget_landmarks() {
+    landmarks_.clear();
+    for (auto &[key, facet] : surface_)
+        facet.landmark = -1;
+}
+
+void TetComplex::hand_landmark(int landmark, const Facet &owner) {
+    if (landmarks_[landmark].owner == owner)
+        return;
+    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_[landmark].owner});
+    disown(landmark);
+    own(landmark, owner);
+}
+
+void TetComplex::put_facet(const Facet &key, int patch, double over) {
+    surface_[key] = {patch, -1, over, {}, false};
+    count_over(key, over > 0.0);
+}
+
+void TetComplex::drop_facet(const Facet &key) {
+    const auto found = surface_.find(key);
+    count_over(key, -(found->second.over > 0.0));
+    surface_.erase(found);
+}
+
+int TetComplex::curve_of(int a, int b) const {
+    if (vertices_[a].stratum < Stratum::crease || vertices_[b].stratum < Stratum::crease)
+        return -1;
+    const auto found = creases_.find(sorted(a, b));
+    return found == creases_.end() ? -1 : found->second;
+}
+
+void TetComplex::note(Entry entry) {
+    if (!marks_.empty())
+        journal_.push_back(entry);
+}
+
+void TetComplex::link(int t) {
+    for (int v : tets_[t])
+        stars_[v].push_back(t);
+    alive_[t] = 1;
+    ++alive_count_;
+    total_ += energies_[t];
+}
+
+void TetComplex::unlink(int t) {
+    for (int v : tets_[t]) {
+        auto &star = stars_[v];
+        *std::find(star.begin(), star.end(), t) = star.back();
+        star.pop_back();
+    }
+    alive_[t] = 0;
+    --alive_count_;
+    total_ -= energies_[t];
+}
+
+int TetComplex::add_vertex(const Vertex &vertex) {
+    vertices_.push_back(vertex);
+    stars_.emplace_back();
+    over_at_.emplace_back();
+    note({Kind::added_vertex, 0, 0.0, {}, {}});
+    return static_cast<int>(vertices_.size()) - 1;
+}
+
+void TetComplex::move(int v, const Vec3 &position) {
+    note({Kind::moved, v, 0.0, vertices_[v].position, {}});
+    vertices_[v].position = position;
+}
+
+int TetComplex::add_tet(const Tet &tet, int region, double energy) {
+    int t = static_cast<int>(tets_.size());
+    if (free_.empty()) {
+        tets_.emplace_back();
+        regions_.emplace_back();
+        energies_.emplace_back();
+        alive_.emplace_back();
+    } else {
+        t = free_.back();
+        free_.pop_back();
+    }
+    tets_[t] = tet;
+    regions_[t] = region;
+    energies_[t] = energy;
+    link(t);
+    note({Kind::added_tet, t, 0.0, {}, {}});
+    return t;
+}
+
+void TetComplex::remove_tet(int t) {
+    unlink(t);
+    if (marks_.empty())
+        free_.push_back(t);
+    else // the slot keeps its contents until no rollback can ask for them
+        note({Kind::removed_tet, t, 0.0, {}, {}});
+}
+
+void TetComplex::set_energy(int t, double energy) {
+    note({Kind::set_energy, t, energies_[t], {}, {}});
+    total_ += energy - energies_[t];
+    energies_[t] = energy;
+}
+
+void TetComplex::add_facet(const Facet &key, int patch) {
+    put_facet(key, patch, 0.0);
+    note({Kind::added_facet, patch, 0.0, {}, key});
+}
+
+void TetComplex::remove_facet(const Facet &key) {
+    const auto found = surface_.find(key);
+    note({Kind::removed_facet, found->second.patch, found->second.over, {}, key});
+    drop_facet(key);
+}
+
+void TetComplex::add_crease(const Edge &key, int curve) {
+    creases_[key] = curve;
+    note({Kind::added_crease, curve, 0.0, {}, {key[0], key[1], 0}});
+}
+
+void TetComplex::remove_crease(const Edge &key) {
+    const auto found = creases_.find(key);
+    note({Kind::removed_crease, found->second, 0.0, {}, {key[0], key[1], 0}});
+    creases_.erase(found);
+}
+
+void TetComplex::mark() {
+    marks_.push_back({journal_.size(), total_});
+}
+
+void TetComplex::commit() {
+    marks_.pop_back();
+    if (!marks_.empty())
+        return;
+    for (const Entry &entry : journal_)
+        if (entry.kind == Kind::removed_tet)
+            free_.push_back(entry.index);
+    journal_.clear();
+}
+
+void TetComplex::rollback() {
+    const Mark mark = marks_.back();
+    marks_.pop_back();
+    for (std::size_t k = journal_.size(); k-- > mark.entries;) {
+        const Entry &entry = journal_[k];
+        switch (entry.kind) {
+        case Kind::added_vertex:
+            vertices_.pop_back();
+            stars_.pop_back();
+            over_at_.pop_back();
+            break;
+        case Kind::moved:
+            vertices_[entry.index].position = entry.position;
+            break;
+        case Kind::added_tet:
+            unlink(entry.index);
+            free_.push_back(entry.index);
+            break;
+        case Kind::removed_tet:
+            link(entry.index);
+            break;
+        case Kind::set_energy:
+            energies_[entry.index] = entry.energy;
+            break;
+        case Kind::added_facet:
+            drop_facet(entry.key);
+            break;
+        case Kind::removed_facet:
+            put_facet(entry.key, entry.index, entry.energy);
+            break;
+        case Kind::set_over: {
+            double &over = surface_.at(entry.key).over;
+            count_over(entry.key, (entry.energy > 0.0) - (over > 0.0));
+            over = entry.energy;
+            break;
+        }
+        case Kind::handed_landmark:
+            disown(entry.index);
+            own(entry.index, entry.key);
+            break;
+        case Kind::added_crease:
+            creases_.erase({entry.key[0], entry.key[1]});
+            break;
+        case Kind::removed_crease:
+            creases_[{entry.key[0], entry.key[1]}] = entry.index;
+            break;
+        }
+    }
+    journal_.resize(mark.entries);
+    total_ = mark.total;
+}
+
+void TetComplex::changed(std::vector<int> &tets) const {
+    tets.clear();
+    for (std::size_t k = marks_.back().entries; k < journal_.size(); ++k) {
+        const Kind kind = journal_[k].kind;
+        if (kind == Kind::added_tet || kind == Kind::removed_tet || kind == Kind::set_energy)
+            tets.push_back(journal_[k].index);
+    }
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+}
+
+void TetComplex::resum() {
+    total_ = 0.0;
+    for (std::size_t t = 0; t < tets_.size(); ++t)
+        if (alive_[t])
+            total_ += energies_[t];
+}
+
+} // namespace wct::search
