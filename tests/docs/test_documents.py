@@ -45,3 +45,10 @@ def test_the_index_leads_to_every_page_and_example_and_the_readme_to_the_index()
     assert index in leads_to(ROOT / "README.md")
     examples = [*(ROOT / "examples").glob("*.py"), *(ROOT / "examples").glob("*.sh")]
     assert {*(ROOT / "docs").glob("*.md"), *examples} - {index} <= leads_to(index)
+
+
+def test_files_that_the_page_for_developers_names_are_there():
+    page = prose(ROOT / "docs/developing.md")
+    named = re.findall(r"`((?:wct_plugin|cpp|filters|tests|examples|docs)/[\w/]*(?:\.\w+)?)`", page)
+    assert len(named) > 30
+    assert [name for name in named if not (ROOT / name).exists() and "NAME" not in name] == []
