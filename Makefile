@@ -1,5 +1,5 @@
 # make demo   a real surface through fTetWild, well-centered, measured, written
-# make test   the whole suite           make lint   style and types           make bench   ours and the peers side by side
+# make test   the whole suite           make lint   style, types, who imports whom           make bench   ours and the peers side by side
 # make docs   docs/filters.md from the filters' declarations
 # Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
 
@@ -25,11 +25,17 @@ demo: $(VENV)/.demo
 test: $(VENV)/.test
 	$(BIN)/python -m pytest -n logical --dist loadfile --max-worker-restart 0
 
+# Types and the import rule are checked on a copy in which filters/ is where it is installed, as wct_plugin.filters; Python
+# runs without site there, as the editable install would give it the modules of the source tree.
 lint: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/clang-format --dry-run --Werror $(CORE)
-	$(BIN)/mypy
+	rm -rf build/lint && mkdir -p build/lint && cp -r wct_plugin build/lint && cp -r filters build/lint/wct_plugin
+	cd build/lint && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p wct_plugin
+	cd build/lint && PYTHONPATH=$$($(abspath $(BIN))/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') \
+		$(abspath $(BIN))/python -S -c 'from importlinter.cli import lint_imports_command; lint_imports_command()' ../../pyproject.toml
+	$(BIN)/python -m pytest -q tests/cpp
 
 docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md

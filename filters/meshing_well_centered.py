@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from wct_plugin import io
 from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.io import read
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.fidelity import beyond, measure_fidelity
@@ -376,7 +376,7 @@ def _has_wires(mesh: TetMesh, own: Reference) -> bool:
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:
     if not isinstance(reference, str):
         return reference
-    surface = io.read(reference)
+    surface = read(reference)
     if isinstance(surface, TetMesh):
         raise OptionError(f"{reference}: the reference must be a surface, here is a tet mesh")
     return surface

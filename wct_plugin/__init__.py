@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wct_plugin.batch.run import run_batch
-    from wct_plugin.errors import InputError, NeighbourError, OptionError, OutputError, WctError, WctWarning
+    from wct_plugin.errors import (
+        InputError,
+        InternalError,
+        NeighbourError,
+        OptionError,
+        OutputError,
+        WctError,
+        WctWarning,
+    )
     from wct_plugin.io import read, write
     from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
     from wct_plugin.pipeline.constructors import Filter, Reader, Writer
@@ -28,6 +36,7 @@ _HOMES = {
     "Cells": "wct_plugin.mesh",
     "Filter": "wct_plugin.pipeline.constructors",
     "InputError": "wct_plugin.errors",
+    "InternalError": "wct_plugin.errors",
     "NeighbourError": "wct_plugin.errors",
     "OptionError": "wct_plugin.errors",
     "OutputError": "wct_plugin.errors",
@@ -49,6 +58,7 @@ __all__ = [
     "Cells",
     "Filter",
     "InputError",
+    "InternalError",
     "NeighbourError",
     "OptionError",
     "OutputError",

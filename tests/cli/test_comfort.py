@@ -16,10 +16,9 @@ from support.builders import jittered_cube
 
 import wct_plugin as wct
 from wct_plugin.cli import main, output
-from wct_plugin.cli.commands import EXAMPLES
+from wct_plugin.cli.commands import COMMANDS
 
 WCT = Path(sys.executable).with_name("wct")
-COMMANDS = sorted(main.cli.commands)
 #: What each command that works on files can be given here.
 WORK = {
     "batch": ["batch", "chain.json", "cube.vtu", "-o", "out"],
@@ -64,22 +63,22 @@ def test_help_ends_with_an_example_that_the_command_takes(name, capsys):
     shown = capsys.readouterr().out
     assert "--quiet" in shown
     (line,) = re.findall(r"Example:\n  +(wct .*)\n", shown)
-    assert line == EXAMPLES[name]
+    assert line == COMMANDS[name].example
     program, command, *arguments = shlex.split(line.partition(" > ")[0])
     assert (program, command) == ("wct", name)
     if "--help" not in arguments:
-        main.cli.commands[name].make_context(name, arguments)  # parses, runs nothing
+        main.cli.get_command(None, name).make_context(name, arguments)  # parses, runs nothing
 
 
 def test_each_creation_has_an_example_that_it_takes(capsys):
-    context = click.Context(main.cli.commands["create"])
-    names = main.cli.commands["create"].list_commands(context)
+    context = click.Context(main.cli.get_command(None, "create"))
+    names = main.cli.get_command(None, "create").list_commands(context)
     assert names
     for name in names:
         assert main.run(["create", name, "--help"]) == 0
         shown = capsys.readouterr().out
         (line,) = re.findall(r"Example:\n  +(wct .*)\n", shown)
-        command = main.cli.commands["create"].get_command(context, name)
+        command = main.cli.get_command(None, "create").get_command(context, name)
         command.make_context(name, shlex.split(line)[3:])
         assert "--quiet" in shown
 

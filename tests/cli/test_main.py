@@ -19,6 +19,7 @@ from support.refusals import refused
 
 import wct_plugin as wct
 from wct_plugin.cli import main
+from wct_plugin.cli.optimize import OPTIMIZERS
 from wct_plugin.errors import OptionError
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
@@ -93,7 +94,7 @@ def test_a_surface_goes_through_tetgen(tmp_path, capsys):
 
 
 def test_the_mesher_gets_half_of_the_tolerance_given():
-    mesher, optimizer = find_filter("generate_tetrahedralization"), find_filter(main._OPTIMIZERS[0])
+    mesher, optimizer = find_filter("generate_tetrahedralization"), find_filter(OPTIMIZERS[0])
 
     def epsilon(given, **options):
         return mesher_within_tolerance(mesher(**given), optimizer(**options)).options.epsilon

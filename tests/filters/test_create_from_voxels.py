@@ -9,6 +9,7 @@ import pytest
 from support.refusals import refused
 
 import wct_plugin as wct
+from wct_plugin.cli import main
 from wct_plugin.creation import bundled_meshes, voxel_mesh
 from wct_plugin.errors import InputError, OptionError
 from wct_plugin.measure import quality
@@ -180,7 +181,7 @@ def test_neither_array_nor_name_is_refused():
 def test_on_the_command_line(tmp_path, capsys):
     file, target = tmp_path / "ring.npy", tmp_path / "ring.vtu"
     np.save(file, ring())
-    assert wct.cli.run(["create", "from_voxels", str(target), "--voxels", str(file), "--spacing", "2,2,2"]) == 0
+    assert main.run(["create", "from_voxels", str(target), "--voxels", str(file), "--spacing", "2,2,2"]) == 0
     assert len(wct.read(target).tets) == 8 * 194
     capsys.readouterr()
     np.save(file, np.eye(2)[None])

@@ -12,7 +12,8 @@ from rich.text import Text
 from wct_plugin.batch import summary
 from wct_plugin.batch.job import Record
 from wct_plugin.batch.run import BatchProgress, BatchResult, run_batch
-from wct_plugin.cli.output import err, fail, out, table
+from wct_plugin.cli.messages import err, fail, out
+from wct_plugin.cli.output import table
 from wct_plugin.cli.run import complete_pipeline, read_pipeline
 
 

@@ -1,21 +1,63 @@
-"""What all commands of ``wct`` have in common: an example in their help, ``--quiet``, and completion of files."""
+"""The commands of ``wct``, and what they have in common: an example in their help, ``--quiet``, completion of files."""
 
-from typing import Any
+from importlib import import_module
+from typing import Any, NamedTuple
 
 import click
+from click.shell_completion import CompletionItem
 
-from wct_plugin.cli.output import be_quiet
+from wct_plugin.cli.messages import be_quiet
 
-#: One for each command, as one would type it.
-EXAMPLES = {
-    "batch": "wct batch repair-ftetwild 'scans/*.ply' -o out --jobs 4 --timeout 600",
-    "completion": "wct completion bash > ~/.local/share/bash-completion/completions/wct",
-    "create": "wct create cube cube.vtu --variant 84",
-    "demo": "wct demo samples",
-    "filters": "wct filters meshing_well_centered",
-    "optimize": "wct optimize bone.ply bone.vtu --tolerance 1e-3 --html bone.html",
-    "report": "wct report before.vtu after.vtu --html compared.html",
-    "run": "wct run chain.json bone.ply bone.vtu --set filters.meshing_well_centered.goal=3wc",
+
+class Listed(NamedTuple):
+    """A command of ``wct`` as its list shows it, and where it is."""
+
+    place: str  #: module in this package, and name in it
+    summary: str  #: first sentence of its help
+    example: str  #: as one would type it
+
+
+COMMANDS = {
+    "batch": Listed(
+        "batch:batch",
+        "Run PIPELINE on many files, each in a process of its own.",
+        "wct batch repair-ftetwild 'scans/*.ply' -o out --jobs 4 --timeout 600",
+    ),
+    "completion": Listed(
+        "completion:completion",
+        "Print the script that completes commands, options, filters and files in SHELL.",
+        "wct completion bash > ~/.local/share/bash-completion/completions/wct",
+    ),
+    "create": Listed(
+        "create:create",
+        "Make the mesh NAME from nothing and write OUT; without NAME, list what there is.",
+        "wct create cube cube.vtu --variant 84",
+    ),
+    "demo": Listed(
+        "demo:demo",
+        "Write small samples into DIR, by default the current folder, and make the tets of one well-centered.",
+        "wct demo samples",
+    ),
+    "filters": Listed(
+        "filters:filters",
+        "List the filters, or print one filter's page: what it does, its options, their ranges and defaults.",
+        "wct filters meshing_well_centered",
+    ),
+    "optimize": Listed(
+        "optimize:optimize",
+        "Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.",
+        "wct optimize bone.ply bone.vtu --tolerance 1e-3 --html bone.html",
+    ),
+    "report": Listed(
+        "report:report",
+        "Measure tet meshes, several side by side: ranges, tiers, flags, histograms, the worst tets with their place.",
+        "wct report before.vtu after.vtu --html compared.html",
+    ),
+    "run": Listed(
+        "run:run_pipeline",
+        "Run PIPELINE: a JSON file, - for stdin, or the name of a ready-made one.",
+        "wct run chain.json bone.ply bone.vtu --set filters.meshing_well_centered.goal=3wc",
+    ),
 }
 #: What stands for a file in a command's usage.
 _FILES = ("FILE", "FILE...", "IN", "OUT", "INPUT...", "DIR", "[DIR]", "[IN [OUT...]]")
@@ -49,28 +91,32 @@ def with_comfort(command: click.Command, example: str) -> click.Command:
 
 
 class Commands(click.Group):
-    """A group that gives each command what all have in common."""
+    """``wct`` itself: it imports a command when that is asked for, and none to list or complete their names."""
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
         self.params.append(quiet_option())
 
-    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
-        """Add a command, completed."""
-        super().add_command(with_comfort(cmd, EXAMPLES.get(name or cmd.name or "", "")), name)
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of all commands."""
+        return list(COMMANDS)
 
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command, completed; None where there is none of that name."""
+        if cmd_name in COMMANDS and cmd_name not in self.commands:
+            module, _, name = COMMANDS[cmd_name].place.partition(":")
+            command = getattr(import_module(f"wct_plugin.cli.{module}"), name)
+            self.add_command(with_comfort(command, COMMANDS[cmd_name].example), cmd_name)
+        return self.commands.get(cmd_name)
 
-@click.command()
-@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
-def completion(shell: str) -> int:
-    """Print the script that completes commands, options, filters and files in SHELL.
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands into the help."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, one.summary) for name, one in COMMANDS.items()])
 
-    For bash it goes to ~/.local/share/bash-completion/completions/wct, for zsh to a file _wct in a folder of $fpath,
-    for fish to ~/.config/fish/completions/wct.fish.
-    """
-    from click.shell_completion import get_completion_class
-
-    found = get_completion_class(shell)
-    assert found is not None
-    click.echo(found(click.Group(), {}, "wct", "_WCT_COMPLETE").source())
-    return 0
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Commands that begin so, and options."""
+        names = [
+            CompletionItem(name, help=one.summary) for name, one in COMMANDS.items() if name.startswith(incomplete)
+        ]
+        return names + click.Command.shell_complete(self, ctx, incomplete)

@@ -7,7 +7,9 @@ import click
 
 from wct_plugin.cli import filter_options
 from wct_plugin.cli.commands import with_comfort
-from wct_plugin.cli.output import GOAL_MET, out, print_metrics, progress_bar, table
+from wct_plugin.cli.messages import GOAL_MET, out
+from wct_plugin.cli.output import print_metrics, table
+from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.errors import OptionError, WctError
 from wct_plugin.pipeline.graph import Step, unplaced
 from wct_plugin.pipeline.pipeline import Pipeline

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 from rich.text import Text
 
-from wct_plugin.cli.output import out, table
+from wct_plugin.cli.messages import out
+from wct_plugin.cli.output import table
 from wct_plugin.errors import OutputError
 from wct_plugin.io import atomic_files
 

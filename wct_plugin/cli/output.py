@@ -1,83 +1,23 @@
-"""What ``wct`` prints: results to stdout; progress, warnings and errors to stderr, errors as one line."""
+"""What ``wct`` prints of reports, results and filters, as tables; and text files."""
 
-import os
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as ProgressBar
 from rich.table import Table
 from rich.text import Text
 
 from wct_plugin.certify import certificate
-from wct_plugin.cli.interrupt import FirstAsks
-from wct_plugin.errors import WctWarning
+from wct_plugin.cli.messages import out
 from wct_plugin.io import atomic_files
 from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.result import Result
 from wct_plugin.pipeline.stage import FilterStage, Options
-from wct_plugin.progress import Progress, ProgressCallback
 from wct_plugin.report.report import Report, short_names
 from wct_plugin.report.text_histograms import text_histograms
-
-GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
-
-
-def _width(stream: Any) -> int | None:
-    """The width to print at: a terminal's own, or that of COLUMNS; rich would take 80 for a pipe and cut tables."""
-    given = os.environ.get("COLUMNS", "")
-    if given.isdecimal() and int(given) > 0:
-        return int(given)
-    return None if stream.isatty() else 120
-
-
-out = Console(highlight=False, width=_width(sys.stdout))
-err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
-
-
-def be_quiet() -> Callable[[], None]:
-    """Print nothing but errors until what this gives is called."""
-    before = out.quiet, err.quiet
-    out.quiet = err.quiet = True
-
-    def talk() -> None:
-        out.quiet, err.quiet = before
-
-    return talk
-
-
-# --- progress -------------------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def progress_bar() -> Iterator[ProgressCallback]:
-    """Show a bar on stderr; the first Ctrl-C or SIGTERM asks the filter to stop and keep its best, a second ends it."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
-    with (
-        ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar,
-        FirstAsks() as signals,
-    ):
-        task = bar.add_task("", total=1.0, bad="")
-
-        def show(state: Progress) -> bool:
-            signals.turn(on=state.bad is not None)  # only a filter that has a best so far can be asked to keep it
-            bad = "" if state.bad is None else f"{state.bad} bad"
-            new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
-            bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
-            if signals.asked:
-                err.print("stopping; the best so far is kept (a second Ctrl-C or SIGTERM gives up)")
-                return False
-            return True
-
-        yield show
-
 
 # --- files ----------------------------------------------------------------------------------------------------------
 
@@ -210,19 +150,3 @@ def print_page(stage: type[FilterStage[Options]]) -> None:
     out.print(Text("Example", style="bold"))
     for line in stage_page.example_lines(stage):
         out.print(Text(line), soft_wrap=True)
-
-
-# --- errors and warnings --------------------------------------------------------------------------------------------
-
-
-def fail(message: str) -> int:
-    """Print an error as one line and give its exit code."""
-    err.quiet = False
-    err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
-    return FAILED
-
-
-def show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-    """Print one of our warnings as one line, in the place of :func:`warnings.showwarning`."""
-    if issubclass(category, WctWarning):
-        err.print(Text("warning: ", style="yellow") + Text(" ".join(str(message).split())), soft_wrap=True)

@@ -7,9 +7,10 @@ from pathlib import PurePath
 
 import click
 
-from wct_plugin import io
 from wct_plugin.cli import filter_options
-from wct_plugin.cli.output import GOAL_MET, GOAL_MISSED, check_outputs, print_report, print_side_by_side, write_text
+from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED
+from wct_plugin.cli.output import check_outputs, print_report, print_side_by_side, write_text
+from wct_plugin.io import read
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.report import html_report, json_schema
@@ -17,14 +18,14 @@ from wct_plugin.report.report import Report, make_report
 
 
 def _read(source: str, reference: SurfaceMesh | None) -> TetMesh:
-    mesh = io.read(source)
+    mesh = read(source)
     find_filter("get_quality").check_takes(type(mesh))
     assert isinstance(mesh, TetMesh)
     return mesh if reference is None else replace(mesh, reference=reference)
 
 
 def _surface(source: str) -> SurfaceMesh:
-    mesh = io.read(source)
+    mesh = read(source)
     return mesh if isinstance(mesh, SurfaceMesh) else mesh.boundary_surface()
 
 

@@ -8,7 +8,9 @@ import click
 from click.shell_completion import CompletionItem
 from rich.text import Text
 
-from wct_plugin.cli.output import GOAL_MET, GOAL_MISSED, check_outputs, out, print_result, progress_bar, write_text
+from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
+from wct_plugin.cli.output import check_outputs, print_result, write_text
+from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import presets

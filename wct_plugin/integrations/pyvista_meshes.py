@@ -8,8 +8,8 @@ import pyvista as pv
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io.formats import PYVISTA
-from wct_plugin.io.read import NAME, TAGS, from_meshio
-from wct_plugin.io.write import contents
+from wct_plugin.io.reader import NAME, TAGS, from_meshio
+from wct_plugin.io.writer import contents
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 #: VTK's types of cells by meshio's names, and the number of points each has.

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from wct_plugin.core import _core
 from wct_plugin.mesh import SurfaceMesh, unit_scaling
@@ -85,6 +84,8 @@ def distances(queries: Floats, surface: SurfaceMesh) -> Floats:
     the surface and its piece within a known radius, so once the next center is farther than the best distance so far
     plus the largest radius, no unseen triangle can be nearer.
     """
+    from scipy.spatial import cKDTree  # here: only this needs it, and it takes long to import
+
     corners = surface.points[surface.triangles]
     centers, owner, radius = _pieces(corners)
     tree, triangles = cKDTree(centers), _Triangles(corners)

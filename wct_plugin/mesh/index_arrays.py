@@ -1,14 +1,15 @@
 """Arrays of indices: what hangs together, which rows are equal."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from wct_plugin.types import Ints
 
 
 def components(rows: Ints, columns: Ints, count: int) -> Ints:
     """(count,) a number per node, from 0, equal where links ``rows[k]`` - ``columns[k]`` join two nodes."""
+    from scipy.sparse import coo_array  # here: it takes longer to import than all else that reading a mesh needs
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
     return connected_components(graph, directed=False)[1].astype(np.int64) if count else np.empty(0, dtype=np.int64)
 

@@ -4,10 +4,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from wct_plugin.errors import NoMeshError
+from wct_plugin.mesh.index_arrays import components
 from wct_plugin.types import Ints
 
 #: Facet i lies opposite vertex i; its vertices run counter-clockwise seen from outside a positive tet.
@@ -149,10 +148,7 @@ class Topology:
     def components(self) -> Ints:
         """(m,) a label per tet, equal where a path through facets joins two tets; labels count from 0."""
         pairs = self.interior_pairs
-        count = len(self._tets)
-        graph = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 2])), shape=(count, count))
-        labels: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
-        return labels
+        return components(pairs[:, 0], pairs[:, 2], len(self._tets))
 
 
 def _argsort_rows(triples: Ints, count: int) -> Ints:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, TetMesh
@@ -104,6 +103,8 @@ def locate(mesh: TetMesh, queries: Floats) -> tuple[Ints, Floats]:
 
     A point outside the mesh gets the tet it is least outside of among those around, its coordinates cut to 0..1.
     """
+    from scipy.spatial import cKDTree  # here: importing a filter to see its options should not take it
+
     corners = mesh.points[mesh.tets]
     inverse = np.linalg.inv((corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1))
     tree = cKDTree(corners.mean(axis=1))
@@ -163,5 +164,7 @@ def _cells_by_label(tagged: Cells, cells: Ints, label: Ints, new_cells: Ints, ne
 def _nodes(old: TetMesh, new: Resampled) -> Cells:
     if not len(old.nodes):
         return old.nodes
+    from scipy.spatial import cKDTree
+
     place = cKDTree(new.points).query(old.points[old.nodes.vertices[:, 0]])[1]
     return Cells(place.reshape(-1, 1).astype(np.int64), old.nodes.tags, {}, old.nodes.sets)

@@ -9,9 +9,8 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, field_validator
 
-from wct_plugin import io
 from wct_plugin.errors import InputError, OutputError
-from wct_plugin.io import atomic_files, formats
+from wct_plugin.io import atomic_files, check_groups, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.flow import Flow, side_by_side
@@ -124,7 +123,7 @@ class ReadMesh(Reader[SourceOptions]):
 
     def read(self) -> Mesh:  # noqa: D102
         given: Mesh | str = self.options.filename
-        return io.read(given) if isinstance(given, str) else given
+        return read(given) if isinstance(given, str) else given
 
 
 class MeshFileOptions(FileOptions):
@@ -164,7 +163,7 @@ class WriteMesh(Writer[MeshFileOptions]):
 
     def check_read(self, mesh: Mesh) -> None:  # noqa: D102
         if isinstance(mesh, TetMesh):
-            io.check_groups(self.filename, mesh, self.options.msh)
+            check_groups(self.filename, mesh, self.options.msh)
 
     def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
         return flow.into(self.filename)
@@ -172,7 +171,7 @@ class WriteMesh(Writer[MeshFileOptions]):
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
         (flow,) = flows.values()
         msh = self.options.msh
-        io.write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups)
+        write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups)
 
 
 class ReportOptions(FileOptions):

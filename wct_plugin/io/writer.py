@@ -16,7 +16,7 @@ from wct_plugin.io.atomic_files import replacing
 from wct_plugin.io.formats import PYVISTA, Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
-from wct_plugin.io.read import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
+from wct_plugin.io.reader import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 #: The array that holds the tags, for formats that have one for this.

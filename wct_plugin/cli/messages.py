@@ -1,0 +1,52 @@
+"""Where ``wct`` prints and how it ends: consoles, exit codes, errors and warnings as one line.
+
+Results go to stdout; progress, warnings and errors to stderr.
+"""
+
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from rich.console import Console
+from rich.text import Text
+
+from wct_plugin.errors import WctWarning
+
+GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
+
+
+def _width(stream: Any) -> int | None:
+    """The width to print at: a terminal's own, or that of COLUMNS; rich would take 80 for a pipe and cut tables."""
+    given = os.environ.get("COLUMNS", "")
+    if given.isdecimal() and int(given) > 0:
+        return int(given)
+    return None if stream.isatty() else 120
+
+
+out = Console(highlight=False, width=_width(sys.stdout))
+err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+
+
+def be_quiet() -> Callable[[], None]:
+    """Print nothing but errors until what this gives is called."""
+    before = out.quiet, err.quiet
+    out.quiet = err.quiet = True
+
+    def talk() -> None:
+        out.quiet, err.quiet = before
+
+    return talk
+
+
+def fail(message: str) -> int:
+    """Print an error as one line and give its exit code."""
+    err.quiet = False
+    err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
+    return FAILED
+
+
+def show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """Print one of our warnings as one line, in the place of :func:`warnings.showwarning`."""
+    if issubclass(category, WctWarning):
+        err.print(Text("warning: ", style="yellow") + Text(" ".join(str(message).split())), soft_wrap=True)
