@@ -46,7 +46,7 @@ class ComputePowerWeights(FilterStage[PowerWeightsOptions]):
     tets without or with a small margin, sparse linear programmes around them. Point data: ``power_weight`` (length
     squared, the smallest 0) and ``weighted_dual_volume``. Cell data: ``orthocenter_margin``, its smallest height over a
     facet in the tet's root mean square edge length (positive: contained), and ``min_weighted_dual_length``.
-    ``duals.duals(mesh, weights)`` has all.
+    ``compute_duals(mesh, weights)`` has all.
     Where a tet goes without, it is often because no weights exist: ``contradictions`` in the metrics names groups of
     tets, each proven in exact arithmetic to hold one at least that no weights can help together with the others.
     Refused are meshes with two points in one place and those whose boundary is no manifold.
