@@ -1,1 +1,1 @@
-"""The Python half of the remesher."""
+"""The Python half of the remesher: which surface it follows, its starts, its search, what is carried over."""

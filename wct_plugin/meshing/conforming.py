@@ -1,4 +1,4 @@
-"""A mesh made Delaunay or one-sided with the vertices of its surface where they are."""
+"""The goals delaunay and one-sided: a mesh made so with the vertices of its surface where they are."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,8 +8,6 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.meshing import search_mesh
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.meshing.transfer import Resampled, resampled
-
-Listener = Callable[[float, int], Any]
 
 
 def conform(
@@ -21,7 +19,7 @@ def conform(
     one_sided: bool,
     effort: int,
     seed: int,
-    progress: Listener,
+    progress: Callable[[float, int], Any],
 ) -> Resampled | None:
     """With facets within ``tolerance``, a length, of the ``own`` surface or of the ``given`` one it stands for.
 
@@ -44,7 +42,7 @@ def conform(
 
 
 def conform_inside(
-    mesh: TetMesh, own: Reference, *, one_sided: bool, effort: int, seed: int, progress: Listener
+    mesh: TetMesh, own: Reference, *, one_sided: bool, effort: int, seed: int, progress: Callable[[float, int], Any]
 ) -> Resampled | None:
     """With the facets of the ``own`` surface as they are; None where they leave no choice."""
     start = search_mesh.conform_inside(

@@ -12,7 +12,7 @@ from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.meshing.released_creases import without
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
-from wct_plugin.meshing.search_mesh import SearchMesh, on_from
+from wct_plugin.meshing.search_mesh import SearchMesh, from_search
 from wct_plugin.meshing.stitching import stitched
 from wct_plugin.obstructions import fixed_facets
 from wct_plugin.types import Floats, Ints
@@ -26,8 +26,8 @@ _PASSES = 12
 _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
-#: In how many ways, with wider and wider places, a part of a mesh is made anew before all of it is.
-_RENEWALS = 3
+#: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
+_PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
 #: its vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where
 #: another start, with shorter edges, takes less: most that come right have come so by then.
@@ -81,7 +81,7 @@ class LocalSearch:
         tolerance: float,
         size: Floats | None,
         finer: ShorterEdges | None = None,
-        renewal: PartialRestart | None = None,
+        restart: PartialRestart | None = None,
         attempt: int = 0,
     ) -> SearchMesh | None:
         """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain.
@@ -106,11 +106,11 @@ class LocalSearch:
             folds=on.folds,
             finer_at=finer and finer.at,
             finer_size=finer and finer.size,
-            kept_points=renewal and renewal.points,
-            kept_stratum=renewal and renewal.stratum,
-            kept_label=renewal and renewal.label,
-            anew_at=renewal and renewal.at,
-            anew_radius=renewal and renewal.radius,
+            kept_points=restart and restart.points,
+            kept_stratum=restart and restart.stratum,
+            kept_label=restart and restart.label,
+            anew_at=restart and restart.at,
+            anew_radius=restart and restart.radius,
             cosines=self.acute,
             seed=self.seed + 1 + attempt,
             progress=self.listen.resample,
@@ -131,8 +131,8 @@ class LocalSearch:
             "creases": found["creases"],
             "crease_curve": found["crease_curve"],
         }
-        if renewal is not None:
-            return stitched(start, found["lost"], renewal.old)
+        if restart is not None:
+            return stitched(start, found["lost"], restart.old)
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
         if not found["intact"] or (stratum[touching] < 3).any():
             return None
@@ -162,25 +162,25 @@ class LocalSearch:
             again = None
             if len(tried) <= _FINER:
                 gone = fewest["released"]
-                again = self._renewed(self._without(on, gone), tolerance, size, finer, tried)
+                again = self._partial_restart(self._without(on, gone), tolerance, size, finer, tried)
                 if again is None:
                     gone = gone[:0]
                     again = self.resampled(on, tolerance, size, finer, attempt=len(tried))
             if self.listen.stopped:
                 return tried
             if again is None:  # nothing else is left to try than more of the same
-                worth, again, gone = np.inf, on_from(fewest), fewest["released"]
+                worth, again, gone = np.inf, from_search(fewest), fewest["released"]
             start = again
 
-    def _renewed(
+    def _partial_restart(
         self, on: Reference, tolerance: float, size: Floats | None, finer: ShorterEdges, tried: "list[SearchedArrays]"
     ) -> SearchMesh | None:
-        """The best that was found, made anew round its stuck tets."""
+        """A partial restart: the best that was found, made anew round its stuck tets."""
         fewest = best(tried)
         vain = len(tried) - 1 - [one["bad"] for one in tried].index(fewest["bad"])
-        for wider in range(_RENEWALS):
-            renewal = PartialRestart.of(fewest, vain + wider)
-            start = renewal and self.resampled(on, tolerance, size, finer, renewal, len(tried))
+        for wider in range(_PARTIAL_RESTARTS):
+            restart = PartialRestart.of(fewest, vain + wider)
+            start = restart and self.resampled(on, tolerance, size, finer, restart, len(tried))
             if start is not None:
                 return start
         return None

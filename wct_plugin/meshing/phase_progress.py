@@ -1,4 +1,4 @@
-"""Progress of the optimiser, as its core tells it and as callers hear it."""
+"""Progress of the remesher: what the core says of each phase, handed on to the caller."""
 
 from wct_plugin.progress import Progress, ProgressCallback
 

@@ -35,7 +35,7 @@ def composite(surface: SurfaceMesh, mesh: TetMesh, own: Reference, tolerance: fl
     result is taken if it is a closed manifold with the handles and pieces of the mesh, everywhere near the mesh's own
     boundary and that near it. Fills must be within ``tolerance``, a length, of the mesh's own and these of them, unless
     the mesher only crumpled its facets where they are not; they are warned of. ``surface`` is cleaned. Raises
-    :class:`NeighbourError` where MeshLab fails.
+    :class:`wct_plugin.errors.NeighbourError` where MeshLab fails.
     """
     made = _beside(surface, own)
     if made is None:

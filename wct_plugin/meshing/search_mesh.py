@@ -50,8 +50,8 @@ def from_mesh(mesh: TetMesh, own: Reference, *, pinned: bool) -> SearchMesh:
     }
 
 
-def on_from(found: "SearchedArrays") -> SearchMesh:
-    """What a search led to, for another."""
+def from_search(found: "SearchedArrays") -> SearchMesh:
+    """The mesh that a search led to, as the start of another."""
     return {
         "points": found["points"],
         "tets": found["tets"],

@@ -1,4 +1,4 @@
-"""A mesh made anew in places, put back into the one it comes from."""
+"""Partial restarts: the part of a mesh that was resampled, stitched to the tets that stay."""
 
 from typing import TYPE_CHECKING, NamedTuple, Self
 
