@@ -1,4 +1,4 @@
-"""A neighbour's program in a process of its own: ended as a whole on timeout or Ctrl-C, its last words in the error."""
+"""Another program in a process of its own: all of it is ended on timeout or Ctrl-C, the error quotes its last lines."""
 
 import math
 import os

@@ -1,1 +1,1 @@
-"""Front ends in other packages."""
+"""Front ends in other packages: pyvista."""

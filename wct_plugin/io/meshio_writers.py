@@ -1,4 +1,4 @@
-"""The writers: meshio's where they do, our own where it fails or cannot; by :mod:`meshio_write` alone."""
+"""The writers: meshio's where they do, our own where it fails or cannot; called by :mod:`.writer` alone."""
 
 import importlib
 import io

@@ -133,8 +133,8 @@ def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
 
     k = 0: dual volume per vertex (n,). k = 1: dual area over length per row of ``topology.edges`` (e,). k = 2: dual
     length over area per row of ``topology.facets`` (f,). k = 3: 1 / volume per tet (m,). Pass ``of`` where
-    :func:`duals` has been called already, or with weights or a coefficient; k = 3 has neither. The matrices between
-    the degrees are in :mod:`wct_plugin.measure.exterior`. Raises :class:`ValueError` for another k.
+    :func:`compute_duals` has been called already, or with weights or a coefficient; k = 3 has neither. The matrices
+    between the degrees are in :mod:`wct_plugin.measure.exterior`. Raises :class:`ValueError` for another k.
     """
     if k == 3:
         return 1.0 / quality.volumes(mesh.points, mesh.tets)

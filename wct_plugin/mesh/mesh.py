@@ -1,4 +1,4 @@
-"""The two things that flow through the house: :class:`TetMesh` and :class:`SurfaceMesh`, frozen and validated.
+"""The two things that flow through a pipeline: :class:`TetMesh` and :class:`SurfaceMesh`, frozen and validated.
 
 Arrays are float64 / int64, native byte order, C-contiguous and read-only; a mesh is changed through
 :func:`dataclasses.replace`, which validates again. Topology is derived when first asked for (``topology.py``).
@@ -91,7 +91,8 @@ class SurfaceMesh:
     """A triangle surface: what a mesher fills, and what an output boundary is measured against.
 
     ``points`` (n, 3), ``triangles`` (k, 3), ``tags`` (k,), data by name, ``source`` the file it came from.
-    Raises :class:`InputError` for NaN or infinite coordinates, indices out of range and an empty triangle list.
+    Raises :class:`wct_plugin.errors.InputError` for NaN or infinite coordinates, indices out of range and an empty
+    triangle list.
     """
 
     points: Floats
@@ -132,7 +133,8 @@ class TetMesh:
     ``reference`` the surface the boundary should stay near, where the pipeline knows it; ``source`` the file.
 
     Construction turns negative tets round and drops points no tet uses (data and tags follow); :attr:`repairs` counts
-    both. Raises :class:`InputError` for NaN, indices out of range, duplicate tets and tets of zero volume.
+    both. Raises :class:`wct_plugin.errors.InputError` for NaN, indices out of range, duplicate tets and tets of zero
+    volume.
     """
 
     points: Floats

@@ -32,7 +32,7 @@ class Topology:
         """Half-facets (tet * 4 + facet) that face each other, and those that face nothing.
 
         Returns ``pairs`` (p, 2), the first the smaller, and ``single`` (b,), ascending.
-        Raises :class:`InputError` where three or more tets share a facet.
+        Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
         """
         triples = np.sort(self._tets[:, FACETS].reshape(-1, 3), axis=1)
         order = _argsort_rows(triples, self._count)

@@ -3,10 +3,10 @@
 Every reason is a theorem with its proof in the module that looks for it, and every hypothesis is checked exactly on the
 coordinates as they are stored:
 
-- :mod:`.facets`: surface facets that stay, however the inside is meshed;
-- :mod:`.held`: vertices, or directions along straight creases, that stay, in a fixed connectivity;
-- :mod:`.inner`: too few edges at an inner vertex, in a fixed connectivity;
-- :mod:`.sheets`: facets round a vertex of a flat patch or a straight crease, in a fixed connectivity.
+- :mod:`.fixed_facets`: surface facets that stay, however the inside is meshed;
+- :mod:`.fixed_vertices`: vertices, or directions along straight creases, that stay, in a fixed connectivity;
+- :mod:`.interior_links`: too few edges at an inner vertex, in a fixed connectivity;
+- :mod:`.surface_links`: facets round a vertex of a flat patch or a straight crease, in a fixed connectivity.
 
 They assume a valid mesh. What they do not name may be out of reach all the same.
 """

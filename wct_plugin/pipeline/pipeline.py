@@ -37,8 +37,8 @@ class Pipeline:
     def from_json(cls, content: Any, settings: Sequence[str] = ()) -> "Pipeline":
         """Make a pipeline of JSON text, or of the list or dict that it stands for.
 
-        ``settings`` are ``stage.option=value``, the stage by its type or tag. Raises :class:`InputError` for what is
-        no JSON and :class:`OptionError` for what is no pipeline.
+        ``settings`` are ``stage.option=value``, the stage by its type or tag. Raises
+        :class:`wct_plugin.errors.InputError` for what is no JSON and :class:`OptionError` for what is no pipeline.
         """
         return cls(json_form.parse(content, settings))
 

@@ -73,7 +73,7 @@ class StageResult:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What :meth:`wct_plugin.Pipeline.execute` gives; ``result["tag"]`` is the stage of that tag."""
+    """What :meth:`wct_plugin.pipeline.pipeline.Pipeline.execute` gives; ``result["tag"]`` is the stage of that tag."""
 
     stages: tuple[StageResult, ...]  #: in the pipeline's order
     goals: tuple[Goal, ...]  #: of the last filter with a goal on each branch

@@ -1,8 +1,8 @@
 """A stage of a pipeline: its name, what it takes and gives, its options declared once, and the registry of filters.
 
 A filter is one file with two classes: an :class:`Options` model (unit, range, default and one-line help per option) and
-a :class:`Filter` that runs on one mesh. The command line, the JSON check, Python signatures and the filter's page all
-come from that one declaration. Filters register under the entry-point group ``wct_plugin.filters``.
+a :class:`FilterStage` that runs on one mesh. The command line, the JSON check, Python signatures and the filter's page
+all come from that one declaration. Filters register under the entry-point group ``wct_plugin.filters``.
 """
 
 import difflib
@@ -101,7 +101,7 @@ class FilterStage(Stage[O_co]):
     def __call__(self, mesh: Mesh | None = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
         """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run.
 
-        Raises :class:`InternalError` where the filter itself is at fault.
+        Raises :class:`wct_plugin.errors.InternalError` where the filter itself is at fault.
         """
         self.check_takes(None if mesh is None else type(mesh))
         self.validate()

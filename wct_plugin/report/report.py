@@ -80,7 +80,7 @@ class Report:
     histograms: Mapping[str, NDArray[np.int64]]  #: counts in :data:`BINS`
     worst: tuple[WorstTet, ...]  #: worst first, by the smaller of min h/R and the cosine of the largest face angle
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
-    deviation: Mapping[str, float] | None  #: of the boundary from the reference, see :meth:`Deviation.to_dict`
+    deviation: Mapping[str, float] | None  #: of the boundary from the reference, in :mod:`wct_plugin.measure.deviation`
     tolerance: float | None = None  #: what the filter that made the mesh allowed of it, as a fraction of the diagonal
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force

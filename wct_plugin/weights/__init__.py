@@ -1,1 +1,1 @@
-"""Power weights: linear programmes and what goes with them."""
+"""Power weights: where the search for them starts, the linear programmes that find them, proofs that there are none."""

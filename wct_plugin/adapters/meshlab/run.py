@@ -67,8 +67,9 @@ def run(surface: SurfaceMesh, steps: Sequence[Step], timeout: float | None = Non
     Returns
     -------
     tuple of SurfaceMesh and list of dict
-        The surface of the last step, with what :func:`meshlab_carry.carry` could carry; and per step ``filter``,
-        ``arguments`` (all that were used, lengths in the mesh's unit) and ``measures`` (what the filter returned).
+        The surface of the last step, with what :func:`wct_plugin.adapters.meshlab.carry.carry` could carry; and per
+        step ``filter``, ``arguments`` (all that were used, lengths in the mesh's unit) and ``measures`` (what the
+        filter returned).
 
     Raises
     ------
