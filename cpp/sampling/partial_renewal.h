@@ -8,7 +8,7 @@
 
 namespace wct::sampling {
 
-/// A mesh that came right nearly everywhere, to be made anew round the places where it did not.
+/// A partial restart: a mesh that came right nearly everywhere, to be made anew round the places where it did not.
 ///
 /// Where the points stay the tets do: one that contains its circumcenter, among others that do, is Delaunay (Rajan,
 /// "Optimality of the Delaunay triangulation in R^d", 1994).

@@ -1,4 +1,4 @@
-"""The global stage: closest points, curvatures, and what a resampled domain must keep."""
+"""A new start: closest points, curvatures, and what a resampled domain must keep."""
 
 from itertools import combinations
 
@@ -330,7 +330,7 @@ def test_a_surface_that_cuts_across_a_slot_is_not_the_domain(seed):
 
 
 def resampled(mesh):
-    """Points and tets of the global stage, a ball like the mesh and with a manifold surface."""
+    """Points and tets of a new start, a ball like the mesh and with a manifold surface."""
     result = start(mesh, own_boundary(mesh, 40.0))
     assert result["intact"]
     facets = np.sort(result["tets"][:, FACETS].reshape(-1, 3), axis=1)

@@ -182,7 +182,7 @@ def completely_well_centered(points, tets):
 
 
 def start(mesh, own, tolerance=1e-3, **options):
-    """What the global stage makes of a mesh near its boundary ``own``; ``tolerance`` by the diagonal."""
+    """What ``resample`` makes of a mesh near its boundary ``own``; ``tolerance`` by the diagonal."""
     return _core.resample(
         own.points,
         own.strata.triangles,
