@@ -70,11 +70,11 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
     domain::SurfaceData other;
     if (given_points && given_triangles)
         other = plain_surface(*given_points, "given_points", *given_triangles, "given_triangles");
-    conform::ConformOptions form;
-    form.effort = effort;
-    form.tolerance = tolerance;
-    form.one_sided = one_sided;
-    form.seed = seed;
+    conform::ConformOptions options;
+    options.effort = effort;
+    options.tolerance = tolerance;
+    options.one_sided = one_sided;
+    options.seed = seed;
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     conform::Conformed found;
     {
@@ -84,7 +84,7 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
         std::optional<domain::Reference> given;
         if (!other.triangles.empty())
             given.emplace(std::move(other));
-        found = conform::conform(reference, given, mesh, role, of_point, sizes, form, monitor, workers_of(threads));
+        found = conform::conform(reference, given, mesh, role, of_point, sizes, options, monitor, workers_of(threads));
     }
     return to_python(found);
 }

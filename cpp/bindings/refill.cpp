@@ -53,21 +53,21 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
                        unsigned threads) {
     const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
     const std::vector<double> wanted = wanted_of(size, given.mesh);
-    refill::RefillOptions form;
-    form.cosines = cosines;
-    form.seed = seed;
+    refill::RefillOptions options;
+    options.cosines = cosines;
+    options.seed = seed;
     if (size) { // what is asked for is not to be adapted
-        form.size = 1.0;
-        form.seeds = sampling::SeedForm{};
-        form.most = std::numeric_limits<double>::infinity();
+        options.size = 1.0;
+        options.seeds = sampling::SeedForm{};
+        options.most = std::numeric_limits<double>::infinity();
     }
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     refill::Refilled interior;
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
-        interior = refill::refill(domain::Reference(given.surface), given.mesh, given.stay, given.edges, wanted, form,
-                                  monitor, workers_of(threads));
+        interior = refill::refill(domain::Reference(given.surface), given.mesh, given.stay, given.edges, wanted,
+                                  options, monitor, workers_of(threads));
     }
     return to_python(interior);
 }
@@ -78,17 +78,17 @@ nb::dict conform_inside_arrays(const Array &points, const Array &tets, const Arr
                                const nb::object &progress) {
     const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
     const std::vector<double> sizes = sizes_of(size, given.mesh.points.size(), "size");
-    conform::ConformOptions form;
-    form.one_sided = one_sided;
-    form.effort = effort;
-    form.seed = seed;
+    conform::ConformOptions options;
+    options.one_sided = one_sided;
+    options.effort = effort;
+    options.seed = seed;
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     refill::Refilled interior;
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         interior = conform::conform_inside(domain::Reference(given.surface), given.mesh, given.stay, given.edges, sizes,
-                                           form, monitor);
+                                           options, monitor);
     }
     return to_python(interior);
 }

@@ -176,12 +176,12 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     if (!(gap > 0.0))
         throw std::invalid_argument("gap must be positive");
     const std::vector<double> wanted = wanted_of(size, mesh);
-    sampling::ResampleOptions form;
-    form.sizing.gap = gap;
-    form.sizing.tolerance = tolerance;
-    form.sizing.limits = limits_of(finer_at, finer_size);
-    form.cosines = cosines;
-    form.seed = seed;
+    sampling::ResampleOptions options;
+    options.sizing.gap = gap;
+    options.sizing.tolerance = tolerance;
+    options.sizing.limits = limits_of(finer_at, finer_size);
+    options.cosines = cosines;
+    options.seed = seed;
     const std::optional<sampling::PartialRenewal> renewal =
         renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
@@ -191,7 +191,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         domain::Reference reference(std::move(surface));
-        result = sampling::resample(reference, mesh, wanted, form, renewal, monitor, workers_of(threads));
+        result = sampling::resample(reference, mesh, wanted, options, renewal, monitor, workers_of(threads));
         if (!result.complex.all.tets.empty()) {
             sampling::free_buried(result.cloud, result.complex, reference);
             labels = sampling::label_surface(result.cloud, result.complex, reference);

@@ -21,9 +21,9 @@ constexpr double kOff = 0.4;   // width, in radii, of where a point may come for
 class Round {
   public:
     Round(ConformingCloud &points, const domain::Reference &reference, const SurfaceProbes &probes,
-          const domain::RegionMap &map, const ConformOptions &form, Random &random, const Workers &workers)
-        : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map), form_(form),
-          random_(random) {
+          const domain::RegionMap &map, const ConformOptions &options, Random &random, const Workers &workers)
+        : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map),
+          options_(options), random_(random) {
         complex_ = sampling::labelled_delaunay(cloud_, map, workers);
         spheres_.resize(complex_.all.tets.size());
         for (std::size_t t = 0; t < spheres_.size(); ++t) {
@@ -31,7 +31,7 @@ class Round {
             spheres_[t] =
                 geometry::circumsphere(cloud_.points[a], cloud_.points[b], cloud_.points[c], cloud_.points[d]);
         }
-        if (form.one_sided)
+        if (options.one_sided)
             peel();
         flaws_ = sampling::mend_pinches(cloud_, reference, complex_, sampling::find_flaws(cloud_, complex_));
         std::erase_if(flaws_.pinched, [&](int v) { return cloud_.role[v] == Stratum::corner; });
@@ -45,7 +45,7 @@ class Round {
         points_.begin_round();
         mend_creases();
         mend_surface();
-        if (form_.one_sided) {
+        if (options_.one_sided) {
             mend_outer();
             mend_edges();
             mend_ties();
@@ -71,7 +71,7 @@ class Round {
         return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * height(t, i);
     }
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
-    bool beyond(int t, int i) const { return height(t, i) <= form_.least * spheres_[t].radius; }
+    bool beyond(int t, int i) const { return height(t, i) <= options_.least * spheres_[t].radius; }
 
     /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface.
     void peel() {
@@ -270,7 +270,7 @@ class Round {
                     outer.push_back(shares[end].outer);
             }
             const auto &[a, b] = shares[k].edge;
-            if (outer.empty() || area > form_.least * norm(cloud_.points[a] - cloud_.points[b]))
+            if (outer.empty() || area > options_.least * norm(cloud_.points[a] - cloud_.points[b]))
                 continue;
             ++faults_.edges;
             split_facet(*std::min_element(outer.begin(), outer.end(),
@@ -319,7 +319,7 @@ class Round {
                     std::find(complex_.all.neighbours[next].begin(), complex_.all.neighbours[next].end(), t) -
                     complex_.all.neighbours[next].begin());
                 if (height(t, i) + height(next, back) >
-                    form_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
+                    options_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
                     continue;
                 ++faults_.ties;
                 mend_tie(t, i, complex_.all.tets[next][back], moved);
@@ -375,7 +375,7 @@ class Round {
     const domain::Reference &reference_;
     const SurfaceProbes &probes_;
     const domain::RegionMap &map_;
-    const ConformOptions &form_;
+    const ConformOptions &options_;
     Random &random_;
     sampling::RestrictedDelaunay complex_;
     std::vector<geometry::Sphere> spheres_;
@@ -413,17 +413,19 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
 
 Conformed conform(const domain::Reference &reference, const std::optional<domain::Reference> &given,
                   const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const std::int64_t> label,
-                  std::span<const double> size, const ConformOptions &form, Monitor &monitor, const Workers &workers) {
+                  std::span<const double> size, const ConformOptions &options, Monitor &monitor,
+                  const Workers &workers) {
     const domain::RegionMap map(mesh, reference);
     const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
-    const SurfaceProbes probes(reference, given, form.held * form.tolerance);
+    const SurfaceProbes probes(reference, given, options.held * options.tolerance);
     ConformingCloud points(reference, mesh, stratum, label, size);
-    Random random(form.seed);
+    Random random(options.seed);
     Conformed best;
     int since = 0;
-    for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
+    for (int round = 0;
+         round < options.effort * options.rounds && since < options.effort * options.patience && !monitor.stopped();
          ++round) {
-        Round now(points, reference, probes, map, form, random, workers);
+        Round now(points, reference, probes, map, options, random, workers);
         const ConformingCloud before = points;
         const Faults faults = now.mend();
         const bool intact = faults.unsound() == 0 &&
@@ -438,7 +440,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
         }
         best.rounds = round + 1;
         monitor.set_bad(static_cast<std::int64_t>(best.faults.outer + best.faults.edges + best.faults.ties));
-        monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / (form.effort * form.rounds));
+        monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / (options.effort * options.rounds));
         if (intact && faults.all() == 0)
             break;
     }

@@ -63,6 +63,7 @@ struct Conformed {
 /// for.
 Conformed conform(const domain::Reference &reference, const std::optional<domain::Reference> &given,
                   const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const std::int64_t> label,
-                  std::span<const double> size, const ConformOptions &form, Monitor &monitor, const Workers &workers);
+                  std::span<const double> size, const ConformOptions &options, Monitor &monitor,
+                  const Workers &workers);
 
 } // namespace wct::conform

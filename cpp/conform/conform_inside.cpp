@@ -36,8 +36,8 @@ sampling::Cloud own_points(const refill::PinnedFacets &facets, const domain::Inp
 class Untier {
   public:
     Untier(sampling::Cloud &cloud, const sampling::RestrictedDelaunay &complex, const domain::RegionMap &map,
-           const ConformOptions &form, Random &random)
-        : cloud_(cloud), complex_(complex), map_(map), form_(form), random_(random) {
+           const ConformOptions &options, Random &random)
+        : cloud_(cloud), complex_(complex), map_(map), options_(options), random_(random) {
         for (const auto &[a, b, c, d] : complex.all.tets)
             spheres_.push_back(
                 geometry::circumsphere(cloud.points[a], cloud.points[b], cloud.points[c], cloud.points[d]));
@@ -54,7 +54,7 @@ class Untier {
                     continue;
                 if (next < 0 || complex_.region[next] < 0) {
                     const int apex = complex_.all.tets[t][i];
-                    if (height(t, i) > form_.least * spheres_[t].radius)
+                    if (height(t, i) > options_.least * spheres_[t].radius)
                         continue;
                     ++faults;
                     keep[apex] = cloud_.role[apex] != Stratum::interior;
@@ -62,7 +62,7 @@ class Untier {
                     const auto &around = complex_.all.neighbours[next];
                     const int back = static_cast<int>(std::find(around.begin(), around.end(), t) - around.begin());
                     if (height(t, i) + height(next, back) >
-                        form_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
+                        options_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
                         continue;
                     ++faults;
                     if (random_.uniform() < share)
@@ -101,17 +101,17 @@ class Untier {
     sampling::Cloud &cloud_;
     const sampling::RestrictedDelaunay &complex_;
     const domain::RegionMap &map_;
-    const ConformOptions &form_;
+    const ConformOptions &options_;
     Random &random_;
     std::vector<geometry::Sphere> spheres_;
 };
 
 refill::Refilled between(const refill::PinnedFacets &facets, const domain::InputMesh &mesh,
-                         const domain::RegionMap &map, std::span<const double> size, const ConformOptions &form,
+                         const domain::RegionMap &map, std::span<const double> size, const ConformOptions &options,
                          Monitor &monitor) {
     constexpr double least = 0.05; // distance of points inside, in sizes
     const refill::Keeper keeper(facets, mesh, least);
-    Random random(form.seed);
+    Random random(options.seed);
     sampling::Cloud cloud = own_points(facets, mesh, size);
     sampling::RestrictedDelaunay complex;
     refill::Refilled best;
@@ -119,7 +119,8 @@ refill::Refilled between(const refill::PinnedFacets &facets, const domain::Input
     std::size_t fewest = 0;
     double share = 1.0;
     int since = 0;
-    for (int round = 0; round < form.effort * form.rounds && since < form.effort * form.patience && !monitor.stopped();
+    for (int round = 0;
+         round < options.effort * options.rounds && since < options.effort * options.patience && !monitor.stopped();
          ++round) {
         keeper.clear(cloud);
         ++since;
@@ -132,14 +133,14 @@ refill::Refilled between(const refill::PinnedFacets &facets, const domain::Input
             cloud = sound;
             keeper.triangulate(cloud, complex);
         }
-        const std::size_t faults = form.one_sided ? Untier(cloud, complex, map, form, random).run(share) : 0;
+        const std::size_t faults = options.one_sided ? Untier(cloud, complex, map, options, random).run(share) : 0;
         if (best.tets.empty() || faults < fewest) {
             best = refill::merged(sound, complex, facets, mesh, size);
             fewest = faults;
             since = 0;
         }
         monitor.set_bad(static_cast<std::int64_t>(fewest));
-        monitor.work(complex.all.tets.size(), static_cast<double>(round) / (form.effort * form.rounds));
+        monitor.work(complex.all.tets.size(), static_cast<double>(round) / (options.effort * options.rounds));
         if (faults == 0)
             break;
     }
@@ -150,10 +151,10 @@ refill::Refilled between(const refill::PinnedFacets &facets, const domain::Input
 
 refill::Refilled conform_inside(const domain::Reference &reference, const domain::InputMesh &mesh,
                                 const std::vector<char> &pinned, std::span<const Edge> edges,
-                                std::span<const double> size, const ConformOptions &form, Monitor &monitor) {
+                                std::span<const double> size, const ConformOptions &options, Monitor &monitor) {
     return refill::fill_between(reference, mesh, pinned, edges, monitor,
                                 [&](const refill::PinnedFacets &facets, const domain::RegionMap &map) {
-                                    return between(facets, mesh, map, size, form, monitor);
+                                    return between(facets, mesh, map, size, options, monitor);
                                 });
 }
 

@@ -16,6 +16,6 @@ namespace wct::conform {
 /// and are moved a little where that takes ties apart. Empty where the facets leave no choice.
 refill::Refilled conform_inside(const domain::Reference &reference, const domain::InputMesh &mesh,
                                 const std::vector<char> &pinned, std::span<const Edge> edges,
-                                std::span<const double> size, const ConformOptions &form, Monitor &monitor);
+                                std::span<const double> size, const ConformOptions &options, Monitor &monitor);
 
 } // namespace wct::conform

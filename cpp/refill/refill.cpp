@@ -37,51 +37,51 @@ std::size_t tets_of(const sampling::RestrictedDelaunay &complex) {
 
 /// Empty where not all facets come out.
 Refilled fill(const PinnedFacets &facets, const domain::Reference &reference, const domain::InputMesh &mesh,
-              const domain::RegionMap &map, std::span<const double> wanted, const RefillOptions &form, Monitor &monitor,
-              const Workers &workers) {
+              const domain::RegionMap &map, std::span<const double> wanted, const RefillOptions &options,
+              Monitor &monitor, const Workers &workers) {
     constexpr double apart = 0.35; // distance of new points, in sizes
     const Keeper keeper(facets, mesh, apart);
-    Random random(form.seed);
+    Random random(options.seed);
     sampling::Cloud cloud;
     sampling::RestrictedDelaunay complex;
     domain::SizingForm sizes;
     sizes.tolerance = sizes.thickness = 1e100; // the surface does not change: neither bend nor thickness matters,
     sizes.sharp = false;                       // nor how sharp its edges are
-    sizes.coarsen = form.size;
+    sizes.coarsen = options.size;
     std::optional<domain::Sizing> sizing;
     constexpr int tries = 5;
     for (int k = 0; k < tries; ++k) {
         sizing.emplace(reference, mesh, map, sizes, wanted, workers);
-        cloud = seeds(facets, reference, mesh, map, *sizing, form.seeds, random);
+        cloud = seeds(facets, reference, mesh, map, *sizing, options.seeds, random);
         keeper.clear(cloud);
         if (!keeper.triangulate(cloud, complex))
             return {};
-        const double share =
-            static_cast<double>(tets_of(complex) + facets.kept()) / (form.most * static_cast<double>(mesh.tets.size()));
+        const double share = static_cast<double>(tets_of(complex) + facets.kept()) /
+                             (options.most * static_cast<double>(mesh.tets.size()));
         if (share <= 1.0)
             break;
         sizes.coarsen *= 1.02 * std::cbrt(share);
     }
-    for (int sweep = 0; sweep < form.sweeps && !monitor.stopped(); ++sweep) {
+    for (int sweep = 0; sweep < options.sweeps && !monitor.stopped(); ++sweep) {
         if (sweep > 0 && !keeper.triangulate(cloud, complex))
             return {};
-        sampling::relax(cloud, reference, complex, form.step, workers);
+        sampling::relax(cloud, reference, complex, options.step, workers);
         keeper.clear(cloud);
         if (sweep % 8 == 7)
             for (std::size_t i = 0; i < cloud.count(); ++i)
                 cloud.size[i] = sizing->at(cloud.points[i]);
-        monitor.work(complex.all.tets.size(), 0.5 * sweep / form.sweeps);
+        monitor.work(complex.all.tets.size(), 0.5 * sweep / options.sweeps);
     }
-    energy::EnergyForm energy = form.energy;
-    if (!form.cosines)
+    energy::EnergyForm energy = options.energy;
+    if (!options.cosines)
         energy.weight2 = 0.0;
     Refilled best;
     std::size_t least = 0;
     int since = 0;
-    for (int round = 0; round <= form.rounds && !monitor.stopped() && since <= 4; ++round) {
+    for (int round = 0; round <= options.rounds && !monitor.stopped() && since <= 4; ++round) {
         if (!keeper.triangulate(cloud, complex))
             break;
-        const sampling::Tally tally = sampling::count_bad(cloud, complex, form.cosines);
+        const sampling::Tally tally = sampling::count_bad(cloud, complex, options.cosines);
         if (best.tets.empty() || tally.bad < least) {
             least = tally.bad;
             std::vector<double> size;
@@ -97,9 +97,9 @@ Refilled fill(const PinnedFacets &facets, const domain::Reference &reference, co
         const std::vector<char> curved(cloud.count(), 0);
         const std::size_t evaluations =
             sampling::descend(cloud, complex, direction, energy, sampling::EdgeForm{.weight = 0.0}, curved,
-                              sampling::FitForm{}, {}, form.iterations, form.reach);
+                              sampling::FitForm{}, {}, options.iterations, options.reach);
         keeper.clear(cloud);
-        monitor.work(evaluations, 0.5 + 0.5 * round / form.rounds);
+        monitor.work(evaluations, 0.5 + 0.5 * round / options.rounds);
     }
     best.stopped = monitor.stopped();
     return best;
@@ -108,11 +108,11 @@ Refilled fill(const PinnedFacets &facets, const domain::Reference &reference, co
 } // namespace
 
 Refilled refill(const domain::Reference &reference, const domain::InputMesh &mesh, const std::vector<char> &pinned,
-                std::span<const Edge> edges, std::span<const double> wanted, const RefillOptions &form,
+                std::span<const Edge> edges, std::span<const double> wanted, const RefillOptions &options,
                 Monitor &monitor, const Workers &workers) {
     return fill_between(reference, mesh, pinned, edges, monitor,
                         [&](const PinnedFacets &facets, const domain::RegionMap &map) {
-                            return fill(facets, reference, mesh, map, wanted, form, monitor, workers);
+                            return fill(facets, reference, mesh, map, wanted, options, monitor, workers);
                         });
 }
 

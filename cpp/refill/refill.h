@@ -35,7 +35,7 @@ struct RefillOptions {
 /// takes the place of the input's vertices. `reference` is the mesh's own surface, with the mesh's own points. Empty
 /// where nothing could be filled anew.
 Refilled refill(const domain::Reference &reference, const domain::InputMesh &mesh, const std::vector<char> &pinned,
-                std::span<const Edge> edges, std::span<const double> wanted, const RefillOptions &form,
+                std::span<const Edge> edges, std::span<const double> wanted, const RefillOptions &options,
                 Monitor &monitor, const Workers &workers);
 
 } // namespace wct::refill

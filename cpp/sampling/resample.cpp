@@ -19,9 +19,9 @@ namespace wct::sampling {
 namespace {
 
 /// Where vertices sit over curved patches and creases: outside of the bend, so that chords run on both sides of it.
-void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, const ResampleOptions &form,
+void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, const ResampleOptions &options,
                  const std::vector<double> &correction) {
-    const double most = form.shell * form.sizing.tolerance;
+    const double most = options.shell * options.sizing.tolerance;
     for (int w = 0; w < reference.wedges(); ++w) {
         const auto &k = reference.curvature(w);
         const double size = sizing.surface[reference.wedge_vertex(w)];
@@ -31,13 +31,13 @@ void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, con
         const double deep = domain::unit_sag(k[0], k[1]) * 8.0;
         const double middle = 1.4 * (k[0] * k[1] > 0.0 ? (k[0] > 0.0 ? deep : -deep) : mean);
         const double half = 0.5 * (mean + middle);
-        const double offset = form.offset * half * size * size / 16.0 + correction[reference.wedge_vertex(w)];
+        const double offset = options.offset * half * size * size / 16.0 + correction[reference.wedge_vertex(w)];
         reference.offset[w] = std::clamp(offset, -most, most);
     }
     for (domain::Curve &curve : reference.curves()) {
         for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
             const double size = sizing.surface[curve.vertices[k]];
-            const Vec3 shift = (-1.33 * form.offset * size * size / 16.0) * curve.bend[k];
+            const Vec3 shift = (-1.33 * options.offset * size * size / 16.0) * curve.bend[k];
             const double far = norm(shift);
             curve.shift[k] = far > most ? (most / far) * shift : shift;
         }
@@ -50,28 +50,28 @@ void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, con
 /// Shift offsets and shrink sizes where the measured deviation asks for it. They grow again, up to where they were at
 /// the start, where they were shrunk too much.
 void learn(const Deviation &deviation, domain::Sizing &sizing, std::vector<double> &correction,
-           const std::vector<double> &ceiling, const ResampleOptions &form) {
-    const double tolerance = form.sizing.tolerance;
+           const std::vector<double> &ceiling, const ResampleOptions &options) {
+    const double tolerance = options.sizing.tolerance;
     for (std::size_t v = 0; v < correction.size(); ++v) {
         const double up = deviation.above[v];
         const double down = deviation.below[v];
         // Offsets keep the volume as they are; only what leaves the tolerance is a reason to shift them.
-        const double excess = std::max(0.0, std::max(up, -down) - form.target * tolerance);
+        const double excess = std::max(0.0, std::max(up, -down) - options.target * tolerance);
         correction[v] += std::clamp(-0.5 * (up + down), -excess, excess);
         const double half = std::max(0.5 * (up - down), 0.75 * std::max({up, -down, deviation.missed[v]}));
-        const double change = half > 0.0 ? std::sqrt(form.target * tolerance / half) : 2.0;
+        const double change = half > 0.0 ? std::sqrt(options.target * tolerance / half) : 2.0;
         sizing.surface[v] = std::min(sizing.surface[v] * std::clamp(change, 0.7, 1.08), ceiling[v]);
     }
     sizing.grade();
 }
 
 /// Shrink sizes where facets are off the tolerance, or nearly: the local search mends few of them, and slowly.
-void shrink(const Deviation &deviation, domain::Sizing &sizing, const ResampleOptions &form) {
-    const double tolerance = form.sizing.tolerance;
+void shrink(const Deviation &deviation, domain::Sizing &sizing, const ResampleOptions &options) {
+    const double tolerance = options.sizing.tolerance;
     for (std::size_t v = 0; v < sizing.surface.size(); ++v) {
         const double far = std::max({deviation.above[v], -deviation.below[v], deviation.missed[v]});
-        if (far > form.held * tolerance)
-            sizing.surface[v] *= std::max(std::sqrt(form.target * tolerance / far), 0.7);
+        if (far > options.held * tolerance)
+            sizing.surface[v] *= std::max(std::sqrt(options.target * tolerance / far), 0.7);
     }
     sizing.grade();
 }
@@ -307,7 +307,7 @@ struct Start {
 } // namespace
 
 Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, std::span<const double> wanted,
-                   const ResampleOptions &form, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
+                   const ResampleOptions &options, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
                    const Workers &workers) {
     using Clock = std::chrono::steady_clock;
     auto last = Clock::now();
@@ -319,27 +319,27 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     };
     const domain::RegionMap map(mesh, reference);
     lap("map");
-    domain::Sizing sizing(reference, mesh, map, form.sizing, wanted, workers);
+    domain::Sizing sizing(reference, mesh, map, options.sizing, wanted, workers);
     lap("sizing");
     std::vector<double> correction(reference.data().points.size(), 0.0);
     const std::vector<double> ceiling = sizing.surface;
-    Random random(form.seed);
+    Random random(options.seed);
     const bool curved = has_curved_patches(reference);
     const auto seeds = [&] {
-        set_offsets(reference, sizing, form, correction);
+        set_offsets(reference, sizing, options, correction);
         return make_seeds(reference, map, sizing, SeedForm{}, renewal, random, workers);
     };
     const auto relaxed = [&](Cloud cloud, int sweeps) {
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
             drop_twins(cloud);
             RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
-            if (sweep >= form.mend_from && sweep % 4 == 0 && sweep + 4 < form.sweeps)
-                if (mend(cloud, reference, complex, form.longest, form.shortest) > 0) {
+            if (sweep >= options.mend_from && sweep % 4 == 0 && sweep + 4 < options.sweeps)
+                if (mend(cloud, reference, complex, options.longest, options.shortest) > 0) {
                     drop_twins(cloud);
                     clear_sharp(cloud, sizing);
                     complex = restricted_delaunay(cloud, reference, map, workers);
                 }
-            relax(cloud, reference, complex, form.step, workers);
+            relax(cloud, reference, complex, options.step, workers);
             keep_off_sharp(cloud, reference, sizing, workers);
             if (sweep % 8 == 7)
                 refresh_sizes(cloud, sizing, workers);
@@ -347,23 +347,23 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
         }
         return cloud;
     };
-    const int trials = curved && !renewal ? form.trials : 0; // sizes do where nearly all came right
+    const int trials = curved && !renewal ? options.trials : 0; // sizes do where nearly all came right
     for (int trial = 0; trial < trials && !monitor.stopped(); ++trial) {
-        Cloud cloud = relaxed(seeds(), form.trial_sweeps);
+        Cloud cloud = relaxed(seeds(), options.trial_sweeps);
         drop_twins(cloud);
         const RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
-        learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, form);
+        learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, options);
     }
     lap("trials");
     const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
-    const double tolerance = form.sizing.tolerance;
+    const double tolerance = options.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const RestrictedDelaunay &complex, const Flaws &flaws) {
         return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, tolerance).empty() &&
                geometry::euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
-    const double shell = form.shell * tolerance;
-    const FitForm fit{form.fit_target * tolerance, form.fit_weight, form.fit_pull, shell};
+    const double shell = options.shell * tolerance;
+    const FitForm fit{options.fit_target * tolerance, options.fit_weight, options.fit_pull, shell};
     const auto run = [&]() -> std::optional<Start> { // nothing where it is stopped before the first round
         std::optional<Start> best;
         Cloud cloud = seeds();
@@ -373,45 +373,46 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
             far = renewal->split_far(cloud);
         }
         if (cloud.count() > 0)
-            cloud = relaxed(std::move(cloud), form.sweeps);
+            cloud = relaxed(std::move(cloud), options.sweeps);
         cloud.append(far);
         lap("relax");
         RestrictedDelaunay complex;
         std::vector<int> touched;
         std::vector<double> fewest; // bad tets and facets off, after each round since the domain was met
-        for (int round = 0; round <= form.rounds && !monitor.stopped(); ++round) {
+        for (int round = 0; round <= options.rounds && !monitor.stopped(); ++round) {
             Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched, workers);
             const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
             const std::vector<Vec3> unfitted = cloud.points;
             fit_heights(cloud, reference, ties, direction, fit, workers);
             keep_upright(cloud, complex, unfitted);
-            const Tally tally = count_bad(cloud, complex, form.cosines);
+            const Tally tally = count_bad(cloud, complex, options.cosines);
             const bool sound = represents(cloud, complex, flaws);
-            const std::size_t off = count_off(cloud, ties, form.held * tolerance);
+            const std::size_t off = count_off(cloud, ties, options.held * tolerance);
             if (!best || std::pair(!sound, tally.bad + off) < std::pair(!best->intact, best->tally.bad + best->off)) {
                 if (best && !best->intact)
                     fewest.clear();
                 best = Start{cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
             }
             fewest.push_back(static_cast<double>(best->tally.bad + best->off));
-            const std::size_t lately = best->intact ? form.lately : 2 * form.lately;
-            const bool settled = fewest.size() > lately && fewest.back() > form.worth * fewest.end()[-1 - lately];
-            if (round == form.rounds || tally.bad == 0 || settled)
+            const std::size_t lately = best->intact ? options.lately : 2 * options.lately;
+            const bool settled = fewest.size() > lately && fewest.back() > options.worth * fewest.end()[-1 - lately];
+            if (round == options.rounds || tally.bad == 0 || settled)
                 break;
             monitor.set_bad(static_cast<std::int64_t>(best->tally.bad));
-            energy::EnergyForm energy = form.energy;
-            if (!form.cosines)
+            energy::EnergyForm energy = options.energy;
+            if (!options.cosines)
                 energy.weight2 = 0.0;
             const std::size_t evaluations =
                 descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference, sizing.sharp()),
-                        fit, ties, form.iterations, form.reach);
-            monitor.work(evaluations, static_cast<double>(round) / form.rounds);
+                        fit, ties, options.iterations, options.reach);
+            monitor.work(evaluations, static_cast<double>(round) / options.rounds);
         }
         lap("descent");
         return best;
     };
     std::optional<Start> found = run();
-    const int attempts = renewal ? 0 : form.attempts; // where it kept to the old mesh, that may be sound all the same
+    const int attempts =
+        renewal ? 0 : options.attempts; // where it kept to the old mesh, that may be sound all the same
     for (int attempt = 0; attempt < attempts && found && !found->intact && !monitor.stopped(); ++attempt) {
         const std::vector<int> lost = lost_planes(found->cloud, found->complex, reference, tolerance);
         found->touched.insert(found->touched.end(), lost.begin(), lost.end());
@@ -422,10 +423,10 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     }
     const auto too_many_off = [&](const Start &start) {
         return static_cast<double>(start.off) >
-               form.few_off * static_cast<double>(surface_facets(start.complex).size());
+               options.few_off * static_cast<double>(surface_facets(start.complex).size());
     };
     if (!renewal && found && found->intact && too_many_off(*found) && !monitor.stopped()) {
-        shrink(measure_deviation(found->cloud, found->complex, reference, workers), sizing, form);
+        shrink(measure_deviation(found->cloud, found->complex, reference, workers), sizing, options);
         std::optional<Start> next = run();
         if (next && next->intact && next->off < found->off)
             found = std::move(next);

@@ -76,7 +76,7 @@ struct Resampled {
 /// Resample the domain, or only what the renewal makes anew: see make_seeds, relax and descend. The reference's offsets
 /// are set on the way.
 Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, std::span<const double> wanted,
-                   const ResampleOptions &form, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
+                   const ResampleOptions &options, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
                    const Workers &workers);
 
 } // namespace wct::sampling

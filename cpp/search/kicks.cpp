@@ -200,7 +200,7 @@ bool Kicks::repair(const Vec3 &center, double radius, double worse) {
 }
 
 bool Kicks::tried() {
-    return agenda_.failures(agenda_.next()) >= kTried;
+    return queue_.failures(queue_.next()) >= kTried;
 }
 
 bool Kicks::once() {
@@ -209,8 +209,8 @@ bool Kicks::once() {
     constexpr double equal = 0.02; // energies
     constexpr double most = 1.2;   // by which it may get worse: a bad tet more counts .3
     constexpr double fewer = 0.1;  // what a bad tet less lowers it by at least
-    const int t = agenda_.next();
-    const int failures = agenda_.failures(t);
+    const int t = queue_.next();
+    const int failures = queue_.failures(t);
     const Kick &kick = kicks[random_.below(std::size(kicks))];
     const Tet tet = complex_.tet(t);
     const Vec3 center =
@@ -235,15 +235,15 @@ bool Kicks::once() {
     operators_.longest /= scale;
     if (!keep) {
         complex_.rollback();
-        agenda_.failed(t);
+        queue_.failed(t);
         return false;
     }
     const bool better = complex_.gain() < -fewer;
     complex_.changed(changed_);
     complex_.commit();
-    agenda_.update(changed_, better ? failures / 2 : failures + 1);
+    queue_.update(changed_, better ? failures / 2 : failures + 1);
     if (!better)
-        agenda_.failed(t);
+        queue_.failed(t);
     return better;
 }
 

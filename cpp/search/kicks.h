@@ -18,11 +18,11 @@ class Kicks {
     Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
           SurfaceWatch &watch, Repair &repair, Random &random)
         : complex_(complex), energy_(energy), operators_(operators), descent_(descent), watch_(watch), repair_(repair),
-          random_(random), agenda_(complex, energy, random) {}
+          random_(random), queue_(complex, energy, random) {}
 
     /// Look for bad tets afresh, after changes made elsewhere.
-    void restart() { agenda_.rebuild(); }
-    int bad() const { return agenda_.bad(); }
+    void restart() { queue_.rebuild(); }
+    int bad() const { return queue_.bad(); }
     /// Whether even the bad tet tried least, there must be one, has been tried so often that its kick may leave the
     /// mesh worse.
     bool tried();
@@ -67,7 +67,7 @@ class Kicks {
     SurfaceWatch &watch_;
     Repair &repair_;
     Random &random_;
-    BadTetQueue agenda_;
+    BadTetQueue queue_;
     std::vector<TetComplex::SurfaceAt> facets_;
     std::vector<int> marks_;
     int mark_ = 0;
