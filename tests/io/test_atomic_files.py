@@ -1,3 +1,5 @@
+"""A file is written whole or not at all, and what cannot be written is refused early."""
+
 import os
 from pathlib import Path
 
