@@ -135,6 +135,24 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
     return candidates_below(before + slack) && candidates_fit(cavity_);
 }
 
+bool Operators::cone_is_closed(int v, const std::vector<Edge> &rim) const {
+    std::vector<Edge> edges; // of the walls: with v, each is a facet of the tets at its walls
+    for (const Tet &tet : candidates_)
+        for (int i = 0; i < 4; ++i)
+            for (int k = 0; k < i; ++k)
+                if (tet[i] != v && tet[k] != v)
+                    edges.push_back(sorted(tet[i], tet[k]));
+    std::sort(edges.begin(), edges.end());
+    const auto walls = [&](const Edge &edge) {
+        const auto [first, last] = std::equal_range(edges.begin(), edges.end(), edge);
+        return last - first;
+    };
+    const auto on_rim = [&](const Edge &edge) { return std::find(rim.begin(), rim.end(), edge) != rim.end(); };
+    return std::all_of(edges.begin(), edges.end(),
+                       [&](const Edge &edge) { return walls(edge) == 2 || (walls(edge) == 1 && on_rim(edge)); }) &&
+           std::all_of(rim.begin(), rim.end(), [&](const Edge &edge) { return walls(edge) > 0; });
+}
+
 void Operators::fill_cavity() {
     for (int t : cavity_)
         complex_.remove_tet(t);
@@ -154,7 +172,7 @@ std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
     for (int v : complex_.tet(t0))
         vertex.size += 0.25 * complex_.vertex(v).size;
     const int v = complex_.add_vertex(vertex);
-    if (!cone_cavity(v, {}, slack))
+    if (!cone_cavity(v, {}, slack) || !cone_is_closed(v, {}))
         return std::nullopt;
     fill_cavity();
     return v;
@@ -210,7 +228,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     if (!grow_cavity(x, open))
         return std::nullopt;
     const int v = complex_.add_vertex(vertex);
-    if (!cone_cavity(v, open, slack))
+    if (!cone_cavity(v, open, slack) || !cone_is_closed(v, rim))
         return std::nullopt;
     watch_.clear();
     for (const Facet &f : open)

@@ -100,6 +100,10 @@ class Operators {
     bool carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std::size_t kept);
     /// Candidates from v to every facet of the cavity's wall but the `open` ones of the surface.
     bool cone_cavity(int v, const std::vector<Facet> &open, double slack);
+    /// Whether each facet between v and an edge of the cavity's walls has a tet on either side, or on one if the edge
+    /// is on the rim of the surface facets that went: a cavity may touch itself along an edge, or reach the surface
+    /// there.
+    bool cone_is_closed(int v, const std::vector<Edge> &rim) const;
     void fill_cavity();
 
     TetComplex &complex_;
