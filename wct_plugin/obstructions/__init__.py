@@ -26,7 +26,7 @@ Goal = Literal["3wc", "2wc", "cwc"]
 Boundary = Literal["fixed", "keep", "move", "slide"]
 Connectivity = Literal["fixed", "free"]
 
-__all__ = ["RECONNECT", "Boundary", "Connectivity", "Goal", "Reason", "reasons"]
+__all__ = ["RECONNECT", "Boundary", "Connectivity", "Goal", "Reason", "find_reasons"]
 
 RECONNECT = "filters.meshing_well_centered"
 
