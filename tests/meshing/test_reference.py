@@ -10,12 +10,53 @@ from wct_plugin.meshing.reference import TOLERANCE, given_surface, own_boundary
 from wct_plugin.meshing.reference_fit import bounds, clean, facing_out, gap, near
 
 
+def _sag(points, triangles):
+    """What the default tolerance is, where it is more than the least: a length."""
+    surface = SurfaceMesh(points, triangles)
+    reference = given_surface(surface, kuhn_cube(1), 60.0)
+    return reference.auto_tolerance() * reference.diagonal
+
+
 @pytest.mark.parametrize("count", [100, 400])
 def test_the_tolerance_of_a_sphere_is_about_its_sag(count):
     surface = sphere_surface(count)
-    reference = given_surface(clean(surface), ball(3), 60.0)
     sag = 1.0 - np.linalg.norm(surface.points[surface.triangles].mean(axis=1), axis=1)
-    assert 0.7 * sag.max() <= reference.auto_tolerance() * reference.diagonal <= 2.0 * sag.max()
+    assert 0.8 * sag.max() <= _sag(surface.points, surface.triangles) <= 1.25 * sag.max()
+
+
+@pytest.mark.parametrize("sides", [12, 32, 90])
+@pytest.mark.parametrize("stretch", [0.3, 1.0, 20.0])
+def test_the_tolerance_of_strips_is_the_sag_across_them(sides, stretch):
+    """The facets of a cylinder's tessellation are as long as it is, and lie 1 - cos(pi / n) within it at most."""
+    turn = 2.0 * np.pi * np.arange(sides) / sides
+    ring = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    points = np.vstack([ring, ring + np.array([0.0, 0.0, 2.0 * stretch])])
+    here = np.arange(sides)
+    after = (here + 1) % sides
+    triangles = np.vstack(
+        [np.column_stack([here, after, after + sides]), np.column_stack([here, after + sides, here + sides])]
+    )
+    turned = np.random.default_rng(0).random(len(triangles)) < 0.5  # as the facets of a sheet inside may be
+    triangles[turned] = triangles[turned, ::-1]
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    sag = 1.0 - np.cos(np.pi / sides)
+    assert _sag(points, triangles) == pytest.approx(max(sag, TOLERANCE * diagonal), rel=0.02)
+
+
+def test_the_tolerance_of_a_saddle_is_its_sag():
+    """Facets of z = c x y leave it by c h^2 / 4 in the middle of the diagonals of squares of side h, c being small."""
+    steps, bend = 8, 0.05
+    x, y = np.meshgrid(np.arange(steps + 1.0), np.arange(steps + 1.0), indexing="ij")
+    points = np.column_stack([x.ravel(), y.ravel(), bend * (x * y).ravel()])
+    first = (np.arange(steps)[:, None] * (steps + 1) + np.arange(steps)).ravel()
+    triangles = np.vstack(
+        [
+            np.column_stack([first, first + steps + 1, first + steps + 2]),
+            np.column_stack([first, first + steps + 2, first + 1]),
+        ]
+    )
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    assert _sag(points, triangles) == pytest.approx(max(bend / 4.0, TOLERANCE * diagonal), rel=0.1)
 
 
 def test_flat_faces_have_the_least_tolerance():

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.mesh.index_arrays import distinct_rows
 from wct_plugin.mesh.strata import Strata, find_strata, surface_strata
-from wct_plugin.mesh.triangle_surfaces import bends
+from wct_plugin.mesh.triangle_surfaces import normals
 from wct_plugin.types import Floats, Ints
 
 #: Tolerance where the user gives none, as a fraction of the bounding-box diagonal, unless the reference is coarser.
@@ -67,14 +68,41 @@ def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> R
 
 
 def _facet_sag(points: Floats, found: Strata) -> float:
-    """How far facets of a smooth surface lie from it: 99 % quantile over the edges inside patches.
+    """How far facets of a smooth surface lie from it: 99 % quantile over the facets.
 
-    A bend by the angle a between facets of edge l means a curvature of about a sqrt(3) / l, and facets that leave the
-    surface by curvature l^2 / 6 in their middle.
+    The smooth surface is the one with the vertex normals n of each patch, weighted by angle (Thuermer and Wuethrich,
+    *Computing vertex normals from polygonal facets*, 1998). Along an edge e from vertex i to j the normal turns by
+    d_ij = (n_j - n_i) . e, and a surface whose normals turn so lies sum b_i b_j d_ij / 2 over the three edges above the
+    facet, b being barycentric coordinates: an eighth of d in the middle of an edge, an eighteenth of their sum at the
+    centroid. Only what bends along an edge counts: on the long strips of a cylinder that is their width.
     """
-    edges, bend, inside = bends(points, found.triangles, found.patch)
-    if not inside.any():
+    corners = points[found.triangles]
+    normal = normals(points, found.triangles)
+    size = np.linalg.norm(normal, axis=1)
+    flat = size == 0.0
+    if flat.all():
         return 0.0
-    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-    sag = np.radians(bend) * length * np.sqrt(3.0) / 6.0
-    return float(np.quantile(sag[inside], 0.99))
+    normal = normal / np.where(flat, 1.0, size)[:, None]
+    smooth = _corner_normals(found, corners, normal)
+    turned = np.roll(smooth, -1, axis=1) - smooth
+    bend = np.einsum("tki,tki->tk", turned, np.roll(corners, -1, axis=1) - corners)
+    sag = np.maximum(np.abs(bend).max(axis=1) / 8.0, np.abs(bend.sum(axis=1)) / 18.0)
+    return float(np.quantile(sag[~flat], 0.99))
+
+
+def _corner_normals(found: Strata, corners: Floats, normal: Floats) -> Floats:
+    """(t, 3, 3) unit normals at the corners of the triangles, as smooth as their patch: each on its triangle's side.
+
+    Triangles of sheets inside run either way, so normals are averaged as lines: the main axis of their tensors' sum.
+    """
+    arms = [np.roll(corners, shift, axis=1) - corners for shift in (-1, 1)]
+    across = np.linalg.norm(np.cross(*arms), axis=2)
+    angle = np.arctan2(across, np.einsum("tki,tki->tk", *arms))
+    wedges = np.column_stack([found.triangles.ravel(), np.repeat(found.patch, 3)])
+    of = distinct_rows(wedges)
+    tensors = np.zeros((int(of.max()) + 1, 3, 3))
+    np.add.at(tensors, of, angle.ravel()[:, None, None] * np.repeat(normal[:, :, None] * normal[:, None, :], 3, axis=0))
+    axis = np.linalg.eigh(tensors)[1][:, :, 2][of].reshape(corners.shape)
+    side = np.einsum("tki,ti->tk", axis, normal)
+    out: Floats = axis * np.where(side < 0.0, -1.0, 1.0)[:, :, None]
+    return out
