@@ -25,7 +25,7 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
-from wct_plugin.meshing import conforming, edge_length, search_mesh
+from wct_plugin.meshing import conforming, edge_length, planes, search_mesh
 from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.local_search import LocalSearch, best
 from wct_plugin.meshing.phase_progress import Listener
@@ -72,6 +72,10 @@ class MeshingOptions(Options):
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"
     )
+    planes: Literal["exact", "input"] = Field(
+        "exact",
+        description="exact: what is plane but for the rounding of a file becomes plane; input: all stays as it came",
+    )
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
@@ -105,9 +109,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Where that is stuck, it starts again with shorter edges there, five times at most; if few tets are, the rest stays.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
-    Planes, straight creases and corners at them are kept exactly, but for those smaller than 28 tolerances and 3 % of
-    the diagonal: these move within the tolerance, as all that is curved does. Of the other creases, those that their
-    angle alone makes and that hold tets back for long become ordinary surface within the tolerance, as on scans.
+    Planes, straight creases and corners at them are kept exactly, and those that a file rounded are put right first;
+    but for those smaller than 28 tolerances and 3 % of the diagonal: these move within the tolerance, as all that is
+    curved does. Of the other creases, those that their angle alone makes and that hold tets back for long become
+    ordinary surface within the tolerance, as on scans.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
@@ -187,7 +192,15 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
-            reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
+            exact = planes.precision(surface.points, unit)
+            reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance, exact)
+        straight, plane = mesh, None
+        if moves and options.planes == "exact":
+            if reference is own:
+                straight, own, plane = planes.straightened_mesh(mesh, own, planes.precision(mesh.points, unit))
+                reference = own
+            else:
+                reference, plane = planes.straightened(reference, exact)
         tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
         if surface is not None and reason:
             warnings.warn(
@@ -199,12 +212,12 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         measured = quality.measure(mesh)
         bad = self._bad(mesh, measured)
         if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
-            none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
+            none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True, "planes": plane}
             return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)})
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
-        search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
+        search = LocalSearch(straight, options.boundary, acute, options.margin, options.effort, options.seed, listen)
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, held, wanted)
@@ -212,9 +225,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             tried = search.run_finer(fresh, reference, held, wanted)
         else:
             reference = own
-            start = self._own_start(mesh, own, wanted, listen)
+            start = self._own_start(straight, own, wanted, listen)
             tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
+        work["planes"] = plane
         if not tried:  # stopped before there was any other mesh
             work |= {"stopped": True, "kept": False, "released": _no_crease(own)}
             return _Found(mesh, measured, tolerance, work)

@@ -15,10 +15,6 @@ namespace wct::domain {
 
 namespace {
 
-/// Farther from a common plane (line) than this share of the diagonal, a patch (curve) counts as curved. Single
-/// precision files put the vertices of a plane some 1e-7 off it.
-constexpr double kFlat = 5e-7;
-
 geometry::Box box_of(const SurfaceData &data, int triangle) {
     geometry::Box box;
     for (const int v : data.triangles[triangle])
@@ -157,30 +153,14 @@ void Reference::make_normals() {
 
 void Reference::find_planes() {
     planar_.assign(patch_trees_.size(), 0);
-    plane_normal_.resize(patch_trees_.size());
-    plane_point_.resize(patch_trees_.size());
+    plane_.resize(patch_trees_.size());
     for (std::size_t p = 0; p < patch_trees_.size(); ++p) {
-        Vec3 normal;
-        Vec3 center;
-        double area = 0.0;
-        for (const int t : patch_trees_[p].triangles) {
-            // Triangles of a wall between regions, or inside one, may run either way.
-            normal += (dot(normals_[t], normal) < 0.0 ? -areas_[t] : areas_[t]) * normals_[t];
-            area += areas_[t];
-            for (const int v : data_.triangles[t])
-                center += (areas_[t] / 3.0) * data_.points[v];
-        }
-        if (!(area > 0.0))
-            continue;
-        plane_normal_[p] = unit(normal);
-        plane_point_[p] = (1.0 / area) * center;
-        bool flat = true;
-        for (const int t : patch_trees_[p].triangles) {
-            flat = flat && (areas_[t] == 0.0 || std::fabs(dot(normals_[t], plane_normal_[p])) > 0.9);
-            for (const int v : data_.triangles[t])
-                flat = flat && std::fabs(dot(data_.points[v] - plane_point_[p], plane_normal_[p])) < kFlat * diagonal_;
-        }
-        planar_[p] = flat;
+        std::vector<std::array<int, 3>> own;
+        for (const int t : patch_trees_[p].triangles)
+            own.push_back(data_.triangles[t]);
+        const auto [plane, extent, off] = geometry::plane_of(data_.points, own);
+        plane_[p] = plane;
+        planar_[p] = extent > 0.0 && geometry::is_flat(off, extent, data_.flat);
     }
 }
 
@@ -313,7 +293,7 @@ double Reference::ray(const Vec3 &p, const Vec3 &direction, double least, int &t
 Vec3 Reference::smooth_normal(const Foot &foot) const {
     const int patch = data_.patch[foot.triangle];
     if (planar_[patch])
-        return plane_normal_[patch];
+        return plane_[patch].normal();
     Vec3 n;
     for (int k = 0; k < 3; ++k)
         n += foot.weight[k] * wedge_normal_[wedges_[foot.triangle][k]];
@@ -347,9 +327,8 @@ int Reference::region_beside(const Vec3 &p, const Foot &foot) const {
 Vec3 Reference::to_patch(Vec3 &p, const Foot &foot) const {
     const int patch = data_.patch[foot.triangle];
     if (planar_[patch]) {
-        const Vec3 &n = plane_normal_[patch];
-        p = foot.point - dot(foot.point - plane_point_[patch], n) * n;
-        return n;
+        p = plane_[patch].nearest(foot.point);
+        return plane_[patch].normal();
     }
     const Vec3 n = smooth_normal(foot);
     double shift = 0.0;

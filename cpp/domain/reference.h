@@ -2,6 +2,7 @@
 
 #include "base/vec3.h"
 #include "geometry/box_tree.h"
+#include "geometry/plane.h"
 
 #include <array>
 #include <span>
@@ -19,7 +20,8 @@ struct SurfaceData {
     std::vector<int> corners;
     std::vector<std::array<int, 2>> folds; // edges that bend as creases do and are none
     std::vector<std::array<int, 2>>
-        sides; // per patch: the region behind its triangles, the region before; -1 is outside
+        sides;         // per patch: the region behind its triangles, the region before; -1 is outside
+    double flat = 0.0; // as far off a plane or line vertices may be where they count as on it
 };
 
 /// A point of the surface.
@@ -127,8 +129,7 @@ class Reference {
     std::vector<Vec3> vertex_normal_;
     std::vector<std::array<Vec3, 3>> edge_normal_; // opposite corner k; sum of both triangles' normals
     std::vector<char> planar_;
-    std::vector<Vec3> plane_normal_;
-    std::vector<Vec3> plane_point_;
+    std::vector<geometry::Plane> plane_;
     geometry::BoxTree tree_;
     struct PatchTree {
         std::vector<int> triangles;

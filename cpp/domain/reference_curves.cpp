@@ -9,12 +9,6 @@
 
 namespace wct::domain {
 
-namespace {
-
-constexpr double kStraight = 5e-7; // share of the diagonal, as for planes
-
-} // namespace
-
 void Reference::make_curves() {
     int count = 0;
     for (const int c : data_.curve)
@@ -104,13 +98,13 @@ void Reference::bend_curve(Curve &curve) {
     const int count = static_cast<int>(curve.vertices.size());
     curve.bend.assign(count, {});
     curve.shift.assign(count, {});
-    curve.straight = !curve.closed;
     const Vec3 &a = points[curve.vertices.front()];
     const Vec3 line = unit(points[curve.vertices.back()] - a);
+    double extent = 0.0, off = 0.0;
     for (int k = 0; k < count; ++k) {
         const Vec3 d = points[curve.vertices[k]] - a;
-        if (norm(d - dot(d, line) * line) > kStraight * diagonal_)
-            curve.straight = false;
+        extent = std::max(extent, norm(d));
+        off = std::max(off, norm(d - dot(d, line) * line));
         if (!curve.closed && (k == 0 || k == count - 1))
             continue;
         const Vec3 u = points[curve.vertices[k]] - points[curve.vertices[(k + count - 1) % count]];
@@ -120,6 +114,7 @@ void Reference::bend_curve(Curve &curve) {
         if (lu > 0.0 && lv > 0.0)
             curve.bend[k] = (2.0 / (lu + lv)) * ((1.0 / lv) * v - (1.0 / lu) * u);
     }
+    curve.straight = !curve.closed && geometry::is_flat(off, extent, data_.flat);
     if (curve.straight) {
         curve.bend.assign(count, {});
         return;

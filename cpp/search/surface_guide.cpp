@@ -12,8 +12,6 @@
 namespace wct::search {
 
 namespace {
-constexpr double kFlat = 1e-9; // of the patch's extent: what counts as planar or straight
-
 // Shares of the tolerance. Vertices of curved patches stay in a shell; edges are held all along, so they get nearly all
 // of it; the inside of facets is held at a few points only.
 constexpr double kShell = 0.97;
@@ -59,7 +57,7 @@ SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spac
 }
 
 void SurfaceGuide::make_patches(const Surface &surface) {
-    const auto &[points, triangles, patch, segments, curve] = surface;
+    const auto &[points, triangles, patch, segments, curve, flat] = surface;
     const int patches = patch.empty() ? 0 : *std::max_element(patch.begin(), patch.end()) + 1;
     std::vector<std::vector<Facet>> of_patch(patches);
     for (std::size_t k = 0; k < triangles.size(); ++k)
@@ -68,29 +66,16 @@ void SurfaceGuide::make_patches(const Surface &surface) {
         std::vector<std::array<Vec3, 3>> pieces;
         for (const Facet &f : members)
             pieces.push_back({points[f[0]], points[f[1]], points[f[2]]});
-        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}, {}};
-        // The largest triangle's plane is the best conditioned one; interfaces may wind either way, so not the sum.
-        double largest = -1.0, extent = 0.0, off = 0.0;
-        for (const Facet &f : members) {
-            const Vec3 n = cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]);
-            if (norm(n) > largest) {
-                largest = norm(n);
-                one.normal = unit(n);
-                one.origin = points[f[0]];
-            }
-        }
-        for (const Facet &f : members)
-            for (int v : f) {
-                extent = std::max(extent, norm(points[v] - one.origin));
-                off = std::max(off, std::abs(dot(points[v] - one.origin, one.normal)));
-            }
-        one.planar = extent > kept_ && off <= kFlat * extent;
+        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}};
+        const auto [plane, extent, off] = geometry::plane_of(points, members);
+        one.plane = plane;
+        one.planar = extent > kept_ && geometry::is_flat(off, extent, flat);
         patches_.push_back(std::move(one));
     }
 }
 
 void SurfaceGuide::make_curves(const Surface &surface) {
-    const auto &[points, triangles, patch, segments, curve] = surface;
+    const auto &[points, triangles, patch, segments, curve, flat] = surface;
     const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
     std::map<Edge, std::set<int>> planes; // planar patches at each edge
     std::set<Edge> curved;                // edges of the others
@@ -128,11 +113,11 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         for (const Edge &s : members)
             std::erase_if(shared, [&](int p) { return !planes[sorted(s[0], s[1])].contains(p); });
         // Where two planes are kept, so is their line.
-        one.straight = (extent > kept_ || shared.size() > 1) && off <= kFlat * extent;
+        one.straight = (extent > kept_ || shared.size() > 1) && geometry::is_flat(off, extent, flat);
         one.bare = !one.straight && std::none_of(members.begin(), members.end(),
                                                  [&](const Edge &s) { return curved.contains(sorted(s[0], s[1])); });
         if (!shared.empty()) // a curved line has one plane
-            one.normal = patches_[*shared.begin()].normal;
+            one.plane = patches_[*shared.begin()].plane;
         curves_.push_back(std::move(one));
     }
 }
@@ -152,7 +137,7 @@ void SurfaceGuide::make_corners(const Surface &surface) {
 }
 
 void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
-    const auto &[points, triangles, patch, segments, curve] = surface;
+    const auto &[points, triangles, patch, segments, curve, flat] = surface;
     std::set<std::array<int, 2>> seen; // patch and vertex
     // By patch and edge: of the triangle seen first, as if it ran along the edge from the smaller end to the other.
     std::map<std::array<int, 3>, Vec3> normals;
@@ -203,8 +188,8 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
     case Stratum::patch: {
         const Patch &patch = patches_[vertex.label];
         if (patch.planar) {
-            x -= dot(x - patch.origin, patch.normal) * patch.normal;
-            left = {Freedom::Kind::plane, patch.normal};
+            x = patch.plane.nearest(x);
+            left = {Freedom::Kind::plane, patch.plane.normal()};
             break;
         }
         clamp(patch.tree, kShell * tolerance_);
@@ -217,9 +202,9 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             left = {Freedom::Kind::line, curve.direction};
             break;
         }
-        if (curve.normal) {
-            x -= dot(x - curve.origin, *curve.normal) * *curve.normal;
-            left = {Freedom::Kind::plane, *curve.normal};
+        if (curve.plane) {
+            x = curve.plane->nearest(x);
+            left = {Freedom::Kind::plane, curve.plane->normal()};
         }
         clamp(curve.tree, kTube * tolerance_);
         break;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/piece_tree.h"
+#include "geometry/plane.h"
 #include "search/tet_complex.h"
 
 #include <array>
@@ -34,6 +35,7 @@ class SurfaceGuide {
         const std::vector<int> &patch; // of each triangle, from 0
         const std::vector<Edge> &segments;
         const std::vector<int> &curve; // of each segment, from 0
+        double flat;                   // as far off a plane or line vertices may be where they count as on it
     };
     /// `tolerance` is a length. Landmarks on edges of the surface are no farther apart than `spacing`.
     SurfaceGuide(const Surface &surface, double tolerance, double spacing);
@@ -54,7 +56,7 @@ class SurfaceGuide {
     std::size_t patches() const { return patches_.size(); }
     bool planar(int patch) const { return patches_[patch].planar; }
     /// Whether the curve is kept exactly, or a planar patch beside it.
-    bool exact(int curve) const { return curves_[curve].straight || curves_[curve].normal; }
+    bool exact(int curve) const { return curves_[curve].straight || curves_[curve].plane; }
 
     /// Whether all of a facet of a curved patch is within the tolerance of it and not folded over. Bit k of `edges`
     /// says that the edge from corner k to the next is to be looked at along its whole length; the others are known to
@@ -102,14 +104,14 @@ class SurfaceGuide {
     struct Patch {
         geometry::BoundingTree<3> tree;
         bool planar = false;
-        Vec3 normal, origin;
+        geometry::Plane plane;
     };
     struct Curve {
         geometry::BoundingTree<2> tree;
         bool straight = false;
         bool bare = false;
         Vec3 direction, origin;
-        std::optional<Vec3> normal; // of the planar patch at the curve
+        std::optional<geometry::Plane> plane; // of the planar patch at the curve
     };
     void make_patches(const Surface &surface);
     void make_curves(const Surface &surface);

@@ -234,6 +234,7 @@ def resample(
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
     gap: float = 1.0,
+    flat: float = 0.0,
     threads: int = 0,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
@@ -247,7 +248,8 @@ def resample(
     ``kept_stratum``, ``kept_label`` (k,): the points of a mesh, with the patch, curve, surface point or, inside, region
     of each; they stay, but for those within ``anew_radius`` (z,) of ``anew_at`` (z, 3), and what is beside moves.
     ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may be, in widths
-    of the gap.
+    of the gap. ``flat``, a length: as far off a plane or line vertices may be that count as on it, if that is more than
+    1e-9 of its extent.
 
     The label of a corner is its surface point. The same input and seed give the same bits.
     """
@@ -356,6 +358,7 @@ def search_well_centered(
     ruled_out: NDArray[np.int64] | None = None,
     loose: NDArray[np.int64] | None = None,
     worth: float = ...,
+    flat: float = 0.0,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -375,6 +378,9 @@ def search_well_centered(
     surface is neither flipped nor split.
     ``loose`` (l,): curves that are creases by their angle alone. Those of them that are not kept exactly, nor bound a
     planar patch that is, become ordinary surface where tets near them withstand an eighth of the ``kicks``.
+    ``flat``: a length, as far off a plane or line the surface's vertices may be where they count as on it, if that is
+    more than 1e-9 of its extent.
+
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     """
 

@@ -25,6 +25,8 @@ class Reference:
     carried: Ints  #: (patches,) the patch of the mesh's own surface whose tags each patch has
     folds: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     """(f, 2) edges that bend as creases do and are none any more"""
+    flat: float = 0.0
+    """As far, a length, off a plane or line vertices may be that count as on it, if more than 1e-9 of its extent"""
 
     @property
     def corners(self) -> Ints:

@@ -17,13 +17,18 @@ _AREA = 0.1
 
 
 def choose(
-    mesh: TetMesh, own: Reference, surface: SurfaceMesh, crease_angle: float, tolerance: float | None
+    mesh: TetMesh,
+    own: Reference,
+    surface: SurfaceMesh,
+    crease_angle: float,
+    tolerance: float | None,
+    exact: float = 0.0,
 ) -> tuple[Reference, str]:
     """The reference to follow: ``surface``, or the mesh's ``own`` and why.
 
     A mesh of one region without tags takes the surface as it is, or made whole where it bounds the mesh only in part.
     Facets tagged on the boundary cut it: every triangle of the surface gets the tags of the nearest facet, if the
-    borders between tags then run where they do on the mesh.
+    borders between tags then run where they do on the mesh. ``exact``: of the surface, as of :func:`clean`.
     """
     if len(own.regions) > 1:
         return own, "the mesh has several regions"
@@ -32,7 +37,7 @@ def choose(
     triangles, label = labelled_surface(mesh)
     if len(triangles) > len(mesh.topology.boundary):
         return own, "the mesh has tagged facets inside"
-    whole, apart = facing_out(clean(surface), own), (tolerance or TOLERANCE) * surface.diagonal
+    whole, apart = facing_out(clean(surface, exact), own), (tolerance or TOLERANCE) * surface.diagonal
     if not bounds(whole, own):
         partly = "it does not bound the mesh, but has holes, or lies inside or apart from it in places"
         try:

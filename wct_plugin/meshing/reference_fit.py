@@ -1,9 +1,12 @@
 """How well a given surface fits a mesh: cleaned, turned to face out, whether it bounds the mesh, how far it is."""
 
+import warnings
+
 import numpy as np
+from scipy.spatial import cKDTree
 
 from wct_plugin.core import _core
-from wct_plugin.errors import InputError
+from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.mesh.index_arrays import components
 from wct_plugin.mesh.triangle_surfaces import normals, surface_edges
@@ -14,13 +17,24 @@ from wct_plugin.types import Bools, Floats, Ints
 CHORD = 0.25
 
 
-def clean(surface: SurfaceMesh) -> SurfaceMesh:
-    """The surface with equal points merged, flat and repeated triangles dropped.
+def clean(surface: SurfaceMesh, exact: float = 0.0) -> SurfaceMesh:
+    """The surface with points merged that are equal but for rounding, flat and repeated triangles dropped.
+
+    ``exact``, a length: how exact coordinates are. Points that differ by more than rounding to that may are not merged.
 
     Raises :class:`InputError` where all of them are flat.
     """
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
-    triangles = place.reshape(-1)[surface.triangles]
+    # Rounding moves each coordinate by a step of twice that at most.
+    pairs = cKDTree(points).query_pairs(2.0 * np.sqrt(3.0) * exact, output_type="ndarray")
+    seam = components(pairs[:, 0], pairs[:, 1], len(points))
+    if (apart := len(points) - int(seam.max(initial=-1)) - 1) > 0:
+        said = (
+            f"{surface.source or 'the reference'}: {apart} points differ from others by rounding only; they are merged"
+        )
+        warnings.warn(said, WctWarning, stacklevel=2)
+    first = np.unique(seam, return_index=True)[1]
+    points, triangles = points[first], seam[place.reshape(-1)][surface.triangles]
     area = np.linalg.norm(normals(points, triangles), axis=1)
     sound = area > 1e-14 * surface.diagonal**2
     if not sound.any():

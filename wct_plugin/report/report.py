@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
-from wct_plugin.measure import duals, fidelity, quality, released_creases, shape_floor
+from wct_plugin.measure import duals, fidelity, planes, quality, released_creases, shape_floor
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.negative_duals import NegativeDuals, count_negative_duals
 from wct_plugin.measure.quality import Quality
@@ -267,6 +267,7 @@ def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
         shape_floor.describe(found["shape"]) if "shape" in found else "",
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
         released_creases.describe(found["released"]) if "released" in found else "",
+        planes.describe(found["planes"]) if found.get("planes") else "",
     )
     return tuple(filter(None, lines))
 
