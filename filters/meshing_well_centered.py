@@ -2,9 +2,9 @@
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -14,10 +14,13 @@ from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.io import read
 from wct_plugin.measure import quality
+from wct_plugin.measure.conserved import measure_groups, measure_sharp
 from wct_plugin.measure.deviation import measure_deviation
-from wct_plugin.measure.fidelity import beyond, measure_fidelity
+from wct_plugin.measure.fidelity import measure_fidelity
 from wct_plugin.measure.goals import DUAL, misses
+from wct_plugin.measure.losses import find_losses
 from wct_plugin.measure.quality import Quality
+from wct_plugin.measure.region_topology import changes, measure_region_topology
 from wct_plugin.measure.released_creases import Released
 from wct_plugin.measure.shape_floor import measure_shape_floor
 from wct_plugin.measure.thin_walls import thinnest
@@ -27,11 +30,12 @@ from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
 from wct_plugin.meshing import conforming, edge_length, planes, search_mesh
 from wct_plugin.meshing.edge_length import EdgeLength
-from wct_plugin.meshing.local_search import LocalSearch, best
+from wct_plugin.meshing.followed_surface import enclosed_volumes, stretch
+from wct_plugin.meshing.local_search import LocalSearch, ranked
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.reference_choice import choose
-from wct_plugin.meshing.reference_fit import gap
+from wct_plugin.meshing.reference_fit import check_near, gap
 from wct_plugin.meshing.released_creases import measure_released
 from wct_plugin.meshing.search_mesh import SearchMesh
 from wct_plugin.meshing.transfer import carry, resampled
@@ -39,6 +43,9 @@ from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Floats, Metrics
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin.core._core import SearchedArrays
 
 
 class MeshingOptions(Options):
@@ -79,6 +86,9 @@ class MeshingOptions(Options):
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
+    allow_released: bool = Field(
+        False, description="Accept that creases which leave well-centered tets no place become ordinary surface"
+    )
     force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
     @field_validator("edge_length", mode="before")
@@ -142,6 +152,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         surface = self._surface or mesh.reference
         if surface:
             unit_scaling.check_reference(surface, mesh)
+            check_near(surface, mesh)
         wanted = edge_length.at_points(self.options.edge_length, mesh)
         tangled = overlap(mesh)
         if tangled:
@@ -176,7 +187,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             else:
                 better = new
         tolerance = math.ldexp(found.tolerance, unit)
-        result = self._judge(mesh, own, better, found.measured, tolerance, stopped=found.work["stopped"])
+        followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
+        result = self._judge(mesh, own, better, found, followed, tolerance)
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
 
     def _well_center(
@@ -213,7 +225,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         bad = self._bad(mesh, measured)
         if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
             none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True, "planes": plane}
-            return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)})
+            return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)}, reference)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
@@ -231,10 +243,17 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         work["planes"] = plane
         if not tried:  # stopped before there was any other mesh
             work |= {"stopped": True, "kept": False, "released": _no_crease(own)}
-            return _Found(mesh, measured, tolerance, work)
-        found = best(tried)
-        better = carry(mesh, own.strata, resampled(found, reference))
-        listen.measure(found["bad"])
+            return _Found(mesh, measured, tolerance, work, reference)
+        kept = (
+            (one, made)
+            for one, made in _carried(mesh, own, reference, tried)
+            if self._keeps(mesh, made, reference, tolerance, listen)
+        )
+        found, better = next(kept, (None, mesh))
+        if found is None and not listen.stopped:
+            said = "no mesh that was found has the topology of this one, which stays as it is: shorter edges may help"
+            warnings.warn(said, WctWarning, stacklevel=3)
+        listen.measure(found["bad"] if found else bad)
         after = quality.measure(better)
         gain = bad * len(after) - self._bad(better, after) * len(measured)
         if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
@@ -243,9 +262,18 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
         work["stopped"], work["kept"] = listen.stopped, False
         work["released"] = measure_released(
-            reference, found["released"] if better is not mesh else found["released"][:0]
+            reference, found["released"] if found and better is not mesh else np.empty(0, dtype=np.int64)
         )
-        return _Found(better, after, tolerance, work)
+        return _Found(better, after, tolerance, work, reference)
+
+    def _keeps(self, old: TetMesh, new: TetMesh, on: Reference, tolerance: float, listen: Listener) -> bool:
+        """Whether a new mesh is the same space as the old one and, where the work was cut short, near the surface."""
+        changed = changes(measure_region_topology(old), measure_region_topology(new))
+        if not changed and listen.stopped:
+            surface = _outer(on)
+            allowed = max(tolerance, measure_deviation(old.boundary_surface(), surface, compiled=True).max)
+            return measure_deviation(new.boundary_surface(), surface, compiled=True).max <= allowed
+        return not changed
 
     def _share(self, start: SearchMesh) -> float:
         """Of the tets that miss the goal in a start of the search."""
@@ -263,7 +291,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
         if not bad:
-            return _Found(mesh, after, tolerance, {"stopped": False, "kept": True})
+            return _Found(mesh, after, tolerance, {"stopped": False, "kept": True}, own)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         if not listen.stopped:
@@ -285,7 +313,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             elif not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
             listen.measure(bad)
-        return _Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False})
+        return _Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False}, own)
 
     def _warn_of_thin_walls(self, mesh: TetMesh, tolerance: float, unit: int) -> None:
         """Say where the two sides of a wall, each within the tolerance, may meet."""
@@ -304,14 +332,33 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         )
 
     def _judge(
-        self, old: TetMesh, own: Reference, new: TetMesh, measured: Quality, tolerance: float, *, stopped: bool
+        self, old: TetMesh, own: Reference, new: TetMesh, found: "_Found", followed: Reference, tolerance: float
     ) -> Metrics:
-        """What was reached and what is left, measured on the mesh itself; warns where the tolerance is not kept."""
-        options = self.options
-        kept = measure_fidelity(old, new, new.reference)
+        """What was reached and what is left, measured on the mesh itself; warns of what was not kept.
+
+        ``followed``: the surface, in the user's unit.
+        """
+        options, measured = self.options, found.measured
         allowed = tolerance / (new.reference or old).diagonal
-        if far := beyond(kept, allowed):
-            warnings.warn(f"{', '.join(far)}; the tolerance is {allowed:.2e}", WctWarning, stacklevel=3)
+        other = found.on.strata is not own.strata  # than the mesh's own
+        surface = _outer(followed) if other else new.reference
+        kept = measure_fidelity(old, new, surface, enclosed_volumes(followed) if other else None)
+        groups = measure_groups(old, new, stretch(old, own, found.on) if other else {})
+        boundaries = [(old.points, old.topology.boundary)]
+        if other and surface is not None:
+            boundaries.append((surface.points, surface.triangles))
+        sharp = measure_sharp(boundaries, (new.points, new.topology.boundary), options.crease_angle)
+        losses = find_losses(
+            kept,
+            groups,
+            sharp,
+            (measure_region_topology(old), measure_region_topology(new)),
+            found.work.get("released") or _no_crease(own),
+            allowed=allowed,
+            allow_released=options.allow_released,
+        )
+        for loss in losses:
+            warnings.warn(loss["text"], WctWarning, stacklevel=3)
         left = list_remaining(
             new,
             find_strata(new, options.crease_angle),
@@ -319,10 +366,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             goal=options.goal,
             boundary=options.boundary,
             crease_angle=options.crease_angle,
-            stopped=stopped,
+            stopped=found.work["stopped"],
         )
         shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
-        return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
+        said: Metrics = {"groups": groups, "sharp_edges": sharp, "losses": losses}
+        return {"bad": left["count"], "tets": len(new.tets), **kept, **said, "shape": shape, "remaining": left}
 
     def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> SearchMesh:
         """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
@@ -346,6 +394,7 @@ class _Found(NamedTuple):
     measured: Quality
     tolerance: float
     work: Metrics
+    on: Reference  #: the surface that was followed
 
 
 class _Asked(TypedDict):
@@ -372,8 +421,21 @@ def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: flo
     """Whether the boundary is within the tolerance of the reference, both ways; it is where that is its own."""
     if reference is own:
         return True
-    surface = SurfaceMesh(reference.points, reference.strata.triangles)
-    return measure_deviation(mesh.boundary_surface(), surface, compiled=True).max <= tolerance
+    return measure_deviation(mesh.boundary_surface(), _outer(reference), compiled=True).max <= tolerance
+
+
+def _outer(on: Reference) -> SurfaceMesh:
+    """The part of a surface that has outside on one side."""
+    outside = (on.sides < 0).sum(axis=1) == 1
+    return SurfaceMesh(on.points, on.strata.triangles[outside[on.strata.patch]])
+
+
+def _carried(
+    mesh: TetMesh, own: Reference, on: Reference, tried: "list[SearchedArrays]"
+) -> "Iterator[tuple[SearchedArrays, TetMesh]]":
+    """What was found, the one with the fewest bad tets first, as meshes with all that hung on the old one."""
+    for one in ranked(tried):
+        yield one, carry(mesh, own.strata, resampled(one, on))
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

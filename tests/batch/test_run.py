@@ -92,6 +92,8 @@ def test_a_record_holds_what_was_done(done):
             "tets": len(bcc(2).tets),
             "missed": 0,
             "valid": True,
+            "losses": [],
+            "stopped": False,
         }
     ]
     assert "apply_coord_well_centering" in good["metrics"]

@@ -22,7 +22,7 @@ from support.domains import check_domain
 from wct_plugin import apply_filter, read
 from wct_plugin.cli import main
 from wct_plugin.core import _core
-from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.errors import InputError, OptionError, WctWarning
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
@@ -421,7 +421,17 @@ def test_a_surface_that_is_not_kept_is_named():
     with pytest.warns(
         WctWarning, match=r"^the boundary is \S+ of the diagonal from the reference; the tolerance is 1.00e-03"
     ):
-        run(jittered_cube(3, 0), reference=far, tolerance=1e-3, boundary="fixed", progress=lambda state: False)
+        run(ball(3), reference=far, tolerance=1e-3, boundary="fixed", progress=lambda state: False)
+
+
+@pytest.mark.parametrize(
+    "surface", [SurfaceMesh(SPHERE.points * 1e-3, SPHERE.triangles), SurfaceMesh(SPHERE.points + 2.0, SPHERE.triangles)]
+)
+def test_a_reference_of_another_body_or_unit_is_refused(surface):
+    with pytest.raises(
+        InputError, match=r"of its diagonal from the boundary of .*; allowed is 0.1: it is another body"
+    ):
+        run(ball(3), reference=surface)
 
 
 def test_an_exception_in_progress_comes_through():

@@ -88,6 +88,6 @@ def test_what_the_progress_callback_raises_comes_through(name, raised):
 
 
 def test_a_reference_of_flat_triangles_is_an_input_error():
-    line = wct.SurfaceMesh(np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2]]))
+    line = wct.SurfaceMesh(np.array([[0.0, 0, 0], [0.5, 0, 0], [1, 0, 0]]), np.array([[0, 1, 2]]))
     with pytest.raises(wct.InputError, match="all triangles have zero area"):
         wct.apply_filter("meshing_well_centered", CUBE, reference=line)

@@ -12,8 +12,9 @@ from wct_plugin.report import html_elements
 HEAD = ("file", "result", "tets", "3WC %", "CWC %", "min h/R", "seconds")
 #: What each exit code means.
 RESULTS = ("done", "goal missed", "failed")
-#: Columns of the CSV file: of the record itself, then of its numbers before and after.
+#: Columns of the CSV file: of the record itself, creases given up and what else was not kept, numbers before and after.
 _FIELDS = ("input", "output", "exit_code", "cause", "seconds", "cpu_seconds", "peak_bytes")
+_METRICS = ("released", "losses")
 _NUMBERS = ("points", "triangles", "tets", "3wc", "cwc", "min_height", "max_dihedral_angle")
 
 
@@ -57,13 +58,21 @@ def to_csv(records: Sequence[Record]) -> str:
     """One line per file under a line of names; what a file has no number for is empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*_FIELDS, *(f"{name}_{side}" for name in _NUMBERS for side in ("before", "after"))])
+    writer.writerow([*_FIELDS, *_METRICS, *(f"{name}_{side}" for name in _NUMBERS for side in ("before", "after"))])
     for record in ordered(records):
         sides = (record.before or {}, record.after or {})
         numbers = [side.get(name, "") for name in _NUMBERS for side in sides]
         own = ["" if (value := getattr(record, name)) is None else value for name in _FIELDS]
-        writer.writerow([*own, *numbers])
+        writer.writerow([*own, *_not_kept(record), *numbers])
     return text.getvalue()
+
+
+def _not_kept(record: Record) -> tuple[str, str]:
+    """How many creases the last filter that says so gave up, and its losses in words; empty where none says."""
+    for found in reversed(list(record.metrics.values())):
+        if "losses" in found:
+            return str(found["released"]["creases"]), "; ".join(loss["text"] for loss in found["losses"])
+    return "", ""
 
 
 def to_html(records: Sequence[Record], title: str) -> str:

@@ -84,7 +84,7 @@ def demo(context: click.Context, folder: str) -> int:
             temporary.write_bytes(content)
     out.print(table(f"Samples in {where.resolve()}", ("file", "what it is"), list(SAMPLES.items()), left=True))
 
-    command = ["optimize", "bone.ply", "bone.vtu", *options]
+    command = ["optimize", "bone.ply", "bone.vtu", "--allow-released", *options]
     out.print(Text(f"$ wct {' '.join(command)}", style="bold"), soft_wrap=True)
     here = [str(where / word) if word in (*samples, *results) else word for word in command]
     wct = context.find_root().command

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import click
+from rich.text import Text
 
 from wct_plugin.cli import filter_options
-from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED
+from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, err, out
 from wct_plugin.cli.output import print_before_after, write_text
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.errors import OptionError, WctError
@@ -62,8 +63,8 @@ def optimize(
 ) -> int:
     """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
-    Exit code 0: every tet meets the goal. 1: not every one, the best mesh is written. 2: an error or an interrupt,
-    which says what was written before it, if anything.
+    Exit code 0: every tet meets the goal, and all of the domain is kept. 1: the best mesh is written, and the last line
+    says what was missed. 2: an error or an interrupt, which says what was written before it, if anything.
     """
     optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
@@ -99,6 +100,9 @@ def optimize(
         write_text("-", json.dumps(report_content(flows), indent=2))
     else:
         print_before_after(*side_by_side(flows).values())
+    for goal in result.goals:  # the last line says what exit code 1 is for
+        if not goal.met:
+            (err if json_path == "-" else out).print(Text(f"missed: {goal}"), soft_wrap=True)
     return GOAL_MET if result.goal_met else GOAL_MISSED
 
 

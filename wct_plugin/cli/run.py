@@ -63,8 +63,9 @@ def run_pipeline(
     IN is read before its first stage, each OUT written behind its last one: a mesh, or the report where the name ends
     in .html or .json. A pipeline with files of its own needs neither.
 
-    Exit code 0: every tet meets the goal of the last filter that has one, or none has. 1: not every one, all is
-    written. 2: an error or an interrupt, which says what was written before it, if anything.
+    Exit code 0: every tet meets the goal of the last filter that has one and all of the domain is kept, or none has a
+    goal. 1: something was missed, and the last line says what; all is written. 2: an error or an interrupt, which says
+    what was written before it, if anything.
     """
     if print_schema:
         write_text("-", json.dumps(schema(), indent=2))

@@ -11,7 +11,7 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
 class Volumes(TypedDict):
-    """A region before and after; ``change`` is a fraction of before."""
+    """A region on the surface that was followed, and after; ``change`` is a fraction of before."""
 
     before: float
     after: float
@@ -26,8 +26,13 @@ class Fidelity(TypedDict):
     volumes: dict[str, Volumes]  #: by region tag
 
 
-def measure_fidelity(old: TetMesh, new: TetMesh, surface: SurfaceMesh | None) -> Fidelity:
-    """Measure ``new`` against ``old``, its boundary against ``surface`` if there is one; all distances two-sided."""
+def measure_fidelity(
+    old: TetMesh, new: TetMesh, surface: SurfaceMesh | None, enclosed: Mapping[str, float] | None = None
+) -> Fidelity:
+    """Measure ``new`` against ``old``, its boundary against ``surface`` if there is one; all distances two-sided.
+
+    ``enclosed``: what volume the surface gives each region, by tag, where that is not the old mesh's.
+    """
     target = surface or old.boundary_surface()
     diagonal = target.diagonal
     before, after = _interfaces(old), _interfaces(new)
@@ -37,7 +42,7 @@ def measure_fidelity(old: TetMesh, new: TetMesh, surface: SurfaceMesh | None) ->
             name: measure_deviation(after[name], one, compiled=True).to_dict(diagonal) if name in after else None
             for name, one in before.items()
         },
-        "volumes": _volumes(old, new),
+        "volumes": _volumes(old, new, enclosed or {}),
     }
 
 
@@ -83,10 +88,11 @@ def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
     return out
 
 
-def _volumes(old: TetMesh, new: TetMesh) -> dict[str, Volumes]:
+def _volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Volumes]:
     of_old, of_new = (quality.volumes(mesh.points, mesh.tets) for mesh in (old, new))
     out: dict[str, Volumes] = {}
     for tag in np.unique(old.regions):
-        before, after = float(of_old[old.regions == tag].sum()), float(of_new[new.regions == tag].sum())
+        before = enclosed.get(str(tag), float(of_old[old.regions == tag].sum()))
+        after = float(of_new[new.regions == tag].sum())
         out[str(tag)] = {"before": before, "after": after, "change": after / before - 1.0}
     return out

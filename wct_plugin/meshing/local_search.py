@@ -191,6 +191,11 @@ class LocalSearch:
         return without(on, creases, self.mesh.nodes.vertices.ravel())
 
 
+def ranked(tried: "list[SearchedArrays]") -> "list[SearchedArrays]":
+    """Those with the fewest bad tets first; of equals the last, from which others were tried."""
+    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (tried[k]["bad"], -k))]
+
+
 def best(tried: "list[SearchedArrays]") -> "SearchedArrays":
-    """Of equals the last: from there others are tried."""
-    return min(reversed(tried), key=lambda one: one["bad"])
+    """The first of :func:`ranked`."""
+    return ranked(tried)[0]

@@ -98,8 +98,8 @@ def _corner_normals(found: Strata, corners: Floats, normal: Floats) -> Floats:
     Triangles of sheets inside run either way, so normals are averaged as lines: the main axis of their tensors' sum.
     """
     arms = [np.roll(corners, shift, axis=1) - corners for shift in (-1, 1)]
-    across = np.linalg.norm(np.cross(*arms), axis=2)
-    angle = np.arctan2(across, np.einsum("tki,tki->tk", *arms))
+    across = np.linalg.norm(np.cross(arms[0], arms[1]), axis=2)
+    angle = np.arctan2(across, np.einsum("tki,tki->tk", arms[0], arms[1]))
     wedges = np.column_stack([found.triangles.ravel(), np.repeat(found.patch, 3)])
     of = distinct_rows(wedges)
     tensors = np.zeros((int(of.max()) + 1, 3, 3))

@@ -7,14 +7,32 @@ from scipy.spatial import cKDTree
 
 from wct_plugin.core import _core
 from wct_plugin.errors import InputError, WctWarning
-from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import components
 from wct_plugin.mesh.triangle_surfaces import normals, surface_edges
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Bools, Floats, Ints
 
+#: A reference is another body, or in another unit, where both surfaces are farther off than this share of its diagonal.
+_ANOTHER = 0.1
 #: How deep in or far off the mesh's boundary a chord across a bend could explain, as a fraction of the mesh's edge.
 CHORD = 0.25
+
+
+def check_near(surface: SurfaceMesh, mesh: TetMesh) -> None:
+    """Raise :class:`InputError` for a surface that cannot be meant, as it is far from the mesh's boundary, both ways.
+
+    Scans have holes that the mesher closed, and sheets that run on inside: far one way only is no reason.
+    """
+    boundary = mesh.topology.boundary
+    ends, here = mesh.points[np.unique(boundary)], surface.points[np.unique(surface.triangles)]
+    off = _core.closest_points(surface.points, surface.triangles, ends)[2].max()
+    apart = min(off, _core.closest_points(mesh.points, boundary, here)[2].max())
+    if apart > _ANOTHER * surface.diagonal:
+        raise InputError(
+            f"{surface.source or 'the reference'}: {apart / surface.diagonal:.2g} of its diagonal from the boundary of"
+            f" {mesh.source or 'the mesh'}; allowed is {_ANOTHER:g}: it is another body, or in another unit of length"
+        )
 
 
 def clean(surface: SurfaceMesh, exact: float = 0.0) -> SurfaceMesh:

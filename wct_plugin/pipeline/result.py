@@ -30,18 +30,24 @@ class Goal:
     tets: int
     missed: int
     valid: bool  #: no two tets overlap
+    losses: tuple[str, ...] = ()  #: what of the domain was not kept
+    stopped: bool = False  #: the work was cut short
 
     @property
     def met(self) -> bool:
-        """Whether every tet meets the goal, in a valid mesh."""
-        return self.valid and not self.missed
+        """Whether every tet meets the goal, in a valid mesh, and all of the domain was kept."""
+        return self.valid and not self.missed and not self.losses
 
     def __str__(self) -> str:
-        if not self.valid:
-            return f"{self.stage}: tets overlap; {self.missed} of {self.tets} miss the goal {self.goal}"
-        if not self.missed:
-            return f"{self.stage}: all {self.tets} tets meet the goal {self.goal}"
-        return f"{self.stage}: {self.missed} of {self.tets} tets miss the goal {self.goal}"
+        said = ["tets overlap"] if not self.valid else []
+        said.append(
+            f"{self.missed} of {self.tets} tets miss the goal {self.goal}"
+            if self.missed
+            else f"all {self.tets} tets meet the goal {self.goal}"
+        )
+        if self.stopped:
+            said.append("the work was stopped")
+        return f"{self.stage}: " + "; ".join((*said, *self.losses))
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +74,9 @@ class StageResult:
         if goal is None or not isinstance(mesh, TetMesh):
             return None
         missing = misses(mesh, quality.measure(mesh), goal)
-        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), overlap(mesh) is None)
+        losses = tuple(loss["text"] for loss in self.metrics.get("losses", ()))
+        stopped = bool(self.metrics.get("stopped"))
+        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), overlap(mesh) is None, losses, stopped)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,105 @@
+"""What a mesh made anew must keep: areas and lengths of groups, and how much of the surface is sharp."""
+
+from collections.abc import Mapping
+from typing import TypedDict
+
+import numpy as np
+
+from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.mesh.triangle_surfaces import bends, normals
+from wct_plugin.types import Bools, Floats, Ints
+
+#: The volume of a region, and the area of a group or interface, may change by this fraction.
+CHANGE = 0.005
+#: Edges of the boundary that bend as creases do may be longer than before by this factor, and this fraction of all.
+SHARPER = (1.02, 0.001)
+
+
+class Quantity(TypedDict):
+    """A volume, area or length before and after; ``change`` is a fraction of before."""
+
+    before: float
+    after: float
+    change: float
+
+
+class Sharp(TypedDict):
+    """Length of boundary edges that bend more than the crease angle."""
+
+    before: float
+    after: float
+    allowed: float
+
+
+def quantity(before: float, after: float) -> Quantity:
+    """How much of something there was and is."""
+    change = after / before - 1.0 if before else (0.0 if after == before else np.inf)
+    return {"before": before, "after": after, "change": float(change)}
+
+
+def group_names(mesh: TetMesh, cells: Cells) -> dict[str, Bools]:
+    """The groups of tagged cells, by tag (under its name, where it has one) and by set, as masks (k,)."""
+    dimension = cells.vertices.shape[1] - 1
+    named = {tag: name for name, (tag, of) in mesh.names.items() if of == dimension}
+    out: dict[str, Bools] = {}
+    for tag in np.unique(cells.tags):
+        if tag != 0 or not cells.sets:
+            out[named.get(int(tag), str(tag))] = cells.tags == tag
+    for name, rows in cells.sets.items():
+        member = np.zeros(len(cells), dtype=bool)
+        member[rows] = True
+        out[name] = member
+    return out
+
+
+def measure_groups(old: TetMesh, new: TetMesh, stretch: Mapping[str, float]) -> dict[str, Quantity]:
+    """Area of each group of facets and length of each group of edges, by name.
+
+    ``stretch``: area of a group on the surface that is followed over that on the old mesh's own facets, where they
+    differ.
+    """
+    out = {}
+    for of_old, of_new in ((old.facets, new.facets), (old.edges, new.edges)):
+        before, after = (
+            {
+                name: float(_sizes(mesh.points, cells.vertices[rows]).sum())
+                for name, rows in group_names(mesh, cells).items()
+            }
+            for mesh, cells in ((old, of_old), (new, of_new))
+        )
+        for name, size in before.items():
+            out[name] = quantity(size * stretch.get(name, 1.0), after.get(name, 0.0))
+    interfaces, made = _interface_areas(old), _interface_areas(new)
+    for name, area in interfaces.items():
+        out[f"interface {name}"] = quantity(area, made.get(name, 0.0))
+    return out
+
+
+def _interface_areas(mesh: TetMesh) -> dict[str, float]:
+    """By the tags of both regions, the smaller first: ``1|2``."""
+    sides = np.sort(mesh.regions[mesh.topology.interface_pairs[:, ::2]], axis=1)
+    area = _sizes(mesh.points, mesh.topology.interfaces)
+    pairs, of = np.unique(sides, axis=0, return_inverse=True)
+    sums = np.bincount(of.reshape(-1), area, minlength=len(pairs))
+    return {f"{low}|{high}": float(one) for (low, high), one in zip(pairs.tolist(), sums, strict=True)}
+
+
+def sharp_length(points: Floats, triangles: Ints, crease_angle: float) -> tuple[float, float]:
+    """Length of a surface's edges that bend more than ``crease_angle`` degrees, and of all between two triangles."""
+    edges, bend, _ = bends(points, triangles, np.zeros(len(triangles), dtype=np.int64))
+    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    return float(length[bend > crease_angle].sum()), float(length.sum())
+
+
+def measure_sharp(old: list[tuple[Floats, Ints]], new: tuple[Floats, Ints], crease_angle: float) -> Sharp:
+    """How long edges that bend are on the new boundary and on the old ones, the sharpest of which rules."""
+    before = max(sharp_length(points, triangles, crease_angle)[0] for points, triangles in old)
+    after, all_of_it = sharp_length(*new, crease_angle)
+    return {"before": before, "after": after, "allowed": SHARPER[0] * before + SHARPER[1] * all_of_it}
+
+
+def _sizes(points: Floats, cells: Ints) -> Floats:
+    """Areas of triangles (k, 3), lengths of edges (k, 2)."""
+    if cells.shape[1] == 3:
+        return np.asarray(np.linalg.norm(normals(points, cells), axis=1) / 2.0)
+    return np.asarray(np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1))

@@ -1,0 +1,70 @@
+"""What a region is like as a space: pieces, Euler characteristic, and whether its surface is a manifold."""
+
+from typing import TypedDict
+
+import numpy as np
+
+from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.index_arrays import components
+from wct_plugin.mesh.topology import EDGES
+from wct_plugin.mesh.triangle_surfaces import pinched, surface_edges
+from wct_plugin.types import Ints
+
+
+class RegionTopology(TypedDict):
+    """Of one region, with what its tets have in common with others or itself only at edges and vertices."""
+
+    components: int  #: pieces that hang together over facets
+    euler_characteristic: int  #: vertices - edges + facets - tets
+    joined_edges: int  #: edges of its surface with other than two of its facets
+    pinched_vertices: int  #: vertices where several sheets of its surface touch that share no edge
+
+
+def measure_region_topology(mesh: TetMesh) -> dict[str, RegionTopology]:
+    """Each region's, by its tag."""
+    topology, regions = mesh.topology, mesh.regions
+    inner = topology.interior_pairs
+    same = inner[regions[inner[:, 0]] == regions[inner[:, 2]]]
+    piece = components(same[:, 0], same[:, 2], len(mesh.tets))
+    pairs = topology.interface_pairs
+    half_facets = np.concatenate([topology.boundary_half_facets, pairs[:, :2], pairs[:, 2:]])
+    out: dict[str, RegionTopology] = {}
+    for tag in np.unique(regions):
+        rows = np.flatnonzero(regions == tag)
+        surface = topology.triangles_of(half_facets[regions[half_facets[:, 0]] == tag])
+        sizes = surface_edges(surface, len(mesh.points))[3]
+        shared = int((regions[same[:, 0]] == tag).sum())
+        out[str(tag)] = {
+            "components": len(np.unique(piece[rows])),
+            "euler_characteristic": _euler_characteristic(mesh.tets[rows], shared),
+            "joined_edges": int((sizes != 2).sum()),
+            "pinched_vertices": int(pinched(surface, len(mesh.points)).sum()),
+        }
+    return out
+
+
+def changes(old: dict[str, RegionTopology], new: dict[str, RegionTopology]) -> list[tuple[str, str, int, int]]:
+    """Region, measure, before and after, where a region has become another space.
+
+    Edges and vertices that join more than two sheets may be more or fewer where there were some: a joint made of other
+    edges is the same joint.
+    """
+    out = []
+    for tag, before in old.items():
+        after = new.get(tag)
+        if after is None:
+            out.append((tag, "components", before["components"], 0))
+            continue
+        for name in ("components", "euler_characteristic"):
+            if before[name] != after[name]:
+                out.append((tag, name, before[name], after[name]))
+        for name in ("joined_edges", "pinched_vertices"):
+            if bool(before[name]) != bool(after[name]):
+                out.append((tag, name, before[name], after[name]))
+    return out
+
+
+def _euler_characteristic(tets: Ints, shared: int) -> int:
+    """Of tets (m, 4), ``shared`` facets of which belong to two of them."""
+    edges = np.unique(np.sort(tets[:, EDGES].reshape(-1, 2), axis=1) @ np.array([int(tets.max()) + 1, 1]))
+    return len(np.unique(tets)) - len(edges) + (4 * len(tets) - shared) - len(tets)

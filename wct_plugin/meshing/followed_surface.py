@@ -1,0 +1,42 @@
+"""Volumes and areas on the surface that is followed, where it is another than the mesh's own."""
+
+import numpy as np
+
+from wct_plugin.measure.conserved import group_names
+from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.triangle_surfaces import normals
+from wct_plugin.meshing.reference import Reference
+from wct_plugin.types import Floats
+
+
+def enclosed_volumes(on: Reference) -> dict[str, float]:
+    """By region tag, the volume between the surface's sides."""
+    corners = on.points[on.strata.triangles] - on.points[on.strata.triangles].mean(axis=(0, 1))
+    cones = np.einsum("ij,ij->i", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0
+    behind, before = on.sides[on.strata.patch].T
+    count = len(on.regions)
+    volume = np.bincount(behind[behind >= 0], cones[behind >= 0], minlength=count)
+    volume -= np.bincount(before[before >= 0], cones[before >= 0], minlength=count)
+    return {str(tag): float(one) for tag, one in zip(on.regions, volume, strict=True)}
+
+
+def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
+    """By group of tagged facets, its area on the surface that is followed over that on the mesh's own facets."""
+    if on is own or not len(mesh.facets):
+        return {}
+    row = find_rows(np.sort(own.strata.triangles, axis=1), np.sort(mesh.facets.vertices, axis=1), len(mesh.points))
+    on_patch, own_patch = _areas(on), _areas(own)
+    out = {}
+    for name, member in group_names(mesh, mesh.facets).items():
+        patches = np.unique(own.strata.patch[row[member & (row >= 0)]])
+        area = float(own_patch[patches].sum())
+        if area:
+            out[name] = float(on_patch[np.isin(on.carried, patches)].sum()) / area
+    return out
+
+
+def _areas(on: Reference) -> Floats:
+    """(patches,) the area of each patch."""
+    area = np.linalg.norm(normals(on.points, on.strata.triangles), axis=1) / 2.0
+    return np.asarray(np.bincount(on.strata.patch, area, minlength=len(on.sides)), dtype=np.float64)
