@@ -2,9 +2,9 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -43,9 +43,6 @@ from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Floats, Metrics
-
-if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin.core._core import SearchedArrays
 
 
 class MeshingOptions(Options):
@@ -166,37 +163,31 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
         own = own_boundary(normalized, self.options.crease_angle)
         if self.options.goal in DUAL:
-            found = self._conform(normalized, own, unit, progress)
+            found = self._conform(normalized, own, unit, progress, tangled=tangled is not None)
         else:
-            found = self._well_center(
-                normalized, own, None if wanted is None else unit_scaling.rescaled(wanted, -unit), unit, progress
-            )
+            wanted = None if wanted is None else unit_scaling.rescaled(wanted, -unit)
+            found = self._well_center(normalized, own, wanted, unit, progress, tangled=tangled is not None)
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
         if found.mesh is not normalized:
-            new = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
-            crossed = None if tangled else overlap(new)
-            if crossed:
-                warnings.warn(
-                    f"the new mesh overlaps itself {_where(new, crossed)}; the mesh stays as it is: a smaller tolerance"
-                    " or shorter edges may help",
-                    WctWarning,
-                    stacklevel=3,
-                )
-                work = {**found.work, "released": _no_crease(own)}
-                found = found._replace(mesh=normalized, measured=quality.measure(normalized), work=work)
-            else:
-                better = new
+            better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         result = self._judge(mesh, own, better, found, followed, tolerance)
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
 
     def _well_center(
-        self, mesh: TetMesh, own: Reference, wanted: Floats | None, unit: int, progress: ProgressCallback
+        self,
+        mesh: TetMesh,
+        own: Reference,
+        wanted: Floats | None,
+        unit: int,
+        progress: ProgressCallback,
+        *,
+        tangled: bool,
     ) -> "_Found":
         """The mesh resampled, or made from itself, with as few bad tets as the search gets to.
 
-        It is in 2 ** ``unit`` of the user's unit of length.
+        It is in 2 ** ``unit`` of the user's unit of length; ``tangled``: its tets overlap as it came.
         """
         options = self.options
         surface = mesh.reference
@@ -244,15 +235,17 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         if not tried:  # stopped before there was any other mesh
             work |= {"stopped": True, "kept": False, "released": _no_crease(own)}
             return _Found(mesh, measured, tolerance, work, reference)
-        kept = (
-            (one, made)
-            for one, made in _carried(mesh, own, reference, tried)
-            if self._keeps(mesh, made, reference, tolerance, listen)
-        )
-        found, better = next(kept, (None, mesh))
+        faults: list[str] = []
+        found, better = None, mesh
+        for one in ranked(tried):
+            made = carry(mesh, own.strata, resampled(one, reference))
+            fault = self._fault(mesh, made, reference, tolerance, unit, tangled=tangled, stopped=listen.stopped)
+            if not fault:
+                found, better = one, made
+                break
+            faults.append(fault)
         if found is None and not listen.stopped:
-            said = "no mesh that was found has the topology of this one, which stays as it is: shorter edges may help"
-            warnings.warn(said, WctWarning, stacklevel=3)
+            _warn_of_fault(faults[0])
         listen.measure(found["bad"] if found else bad)
         after = quality.measure(better)
         gain = bad * len(after) - self._bad(better, after) * len(measured)
@@ -266,14 +259,24 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         )
         return _Found(better, after, tolerance, work, reference)
 
-    def _keeps(self, old: TetMesh, new: TetMesh, on: Reference, tolerance: float, listen: Listener) -> bool:
-        """Whether a new mesh is the same space as the old one and, where the work was cut short, near the surface."""
-        changed = changes(measure_region_topology(old), measure_region_topology(new))
-        if not changed and listen.stopped:
+    def _fault(
+        self, old: TetMesh, new: TetMesh, on: Reference, tolerance: float, unit: int, *, tangled: bool, stopped: bool
+    ) -> str:
+        """Why a new mesh is no better than the old one, whatever its tets are like; empty where nothing is wrong.
+
+        ``stopped``: the work was cut short, when its surface may not be near the one that is followed yet.
+        """
+        if changes(measure_region_topology(old), measure_region_topology(new)):
+            return "the new mesh has another topology"
+        crossed = None if tangled else overlap(new)
+        if crossed:
+            return f"the new mesh overlaps itself {_where(unit_scaling.scaled(new, unit), crossed)}"
+        if stopped:
             surface = _outer(on)
             allowed = max(tolerance, measure_deviation(old.boundary_surface(), surface, compiled=True).max)
-            return measure_deviation(new.boundary_surface(), surface, compiled=True).max <= allowed
-        return not changed
+            if measure_deviation(new.boundary_surface(), surface, compiled=True).max > allowed:
+                return "the new mesh is not near the surface yet"
+        return ""
 
     def _share(self, start: SearchMesh) -> float:
         """Of the tets that miss the goal in a start of the search."""
@@ -283,7 +286,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     def _bad(self, mesh: TetMesh, measured: Quality) -> int:
         return int(misses(mesh, measured, self.options.goal).sum())
 
-    def _conform(self, mesh: TetMesh, own: Reference, unit: int, progress: ProgressCallback) -> "_Found":
+    def _conform(
+        self, mesh: TetMesh, own: Reference, unit: int, progress: ProgressCallback, *, tangled: bool
+    ) -> "_Found":
         """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is; ``unit`` as above."""
         options = self.options
         surface = mesh.reference
@@ -308,7 +313,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             new = mesh if found is None else carry(mesh, own.strata, found)
             measured = quality.measure(new)
             left = self._bad(new, measured)
-            if left * len(mesh.tets) < bad * len(new.tets):  # the output is never worse
+            fault = self._fault(mesh, new, own, tolerance, unit, tangled=tangled, stopped=False) if found else ""
+            if fault:
+                _warn_of_fault(fault)
+            elif left * len(mesh.tets) < bad * len(new.tets):  # the output is never worse
                 better, after, bad = new, measured, left
             elif not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
@@ -430,12 +438,9 @@ def _outer(on: Reference) -> SurfaceMesh:
     return SurfaceMesh(on.points, on.strata.triangles[outside[on.strata.patch]])
 
 
-def _carried(
-    mesh: TetMesh, own: Reference, on: Reference, tried: "list[SearchedArrays]"
-) -> "Iterator[tuple[SearchedArrays, TetMesh]]":
-    """What was found, the one with the fewest bad tets first, as meshes with all that hung on the old one."""
-    for one in ranked(tried):
-        yield one, carry(mesh, own.strata, resampled(one, on))
+def _warn_of_fault(fault: str) -> None:
+    said = f"{fault}; the mesh stays as it is: a smaller tolerance or shorter edges may help"
+    warnings.warn(said, WctWarning, stacklevel=4)
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

@@ -172,7 +172,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
                               const nb::object &progress, const std::optional<Array> &ruled_out,
-                              const std::optional<Array> &loose, double worth, double flat) {
+                              const std::optional<Array> &loose, double worth, double flat,
+                              const std::optional<Array> &volumes) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -259,6 +260,9 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.kicks = kicks;
     options.seed = seed;
     options.worth = worth;
+    if (volumes)
+        options.volumes = sizes_of(
+            *volumes, static_cast<std::size_t>(*std::max_element(region.begin(), region.end())) + 1, "volumes");
     search::CreaseRelease search(complex, {on, triangles, patch, segments, curve, may_go, flat}, tolerance,
                                  0.125 * mean_size(wanted, role));
     search::SearchOutcome outcome;
@@ -281,7 +285,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
           nb::arg("ruled_out") = nb::none(), nb::arg("loose") = nb::none(),
-          nb::arg("worth") = std::numeric_limits<double>::infinity(), nb::arg("flat") = 0.0);
+          nb::arg("worth") = std::numeric_limits<double>::infinity(), nb::arg("flat") = 0.0,
+          nb::arg("volumes") = nb::none());
 }
 
 } // namespace wct::bindings

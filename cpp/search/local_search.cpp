@@ -184,7 +184,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     if (good)
         widen_margins(progress);
     if (good || outcome_.stopped || !options_.hurry) // else more is to come
-        SurfaceBalance(complex_, energy_, guide_, descent_).run();
+        SurfaceBalance(complex_, energy_, guide_, descent_, options_.volumes).run();
     adopt(sharp_form(options_.acute));
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());

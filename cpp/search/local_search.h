@@ -19,6 +19,7 @@ struct SearchOptions {
     /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
     double worth = std::numeric_limits<double>::infinity();
     std::uint64_t seed = 0;
+    std::vector<double> volumes; // that the regions are to have in the end, by number; none: any
 };
 
 struct SearchOutcome {

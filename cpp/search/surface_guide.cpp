@@ -16,6 +16,8 @@ namespace {
 // of it; the inside of facets is held at a few points only.
 constexpr double kShell = 0.97;
 constexpr double kTube = 0.5;
+constexpr double kRim =
+    0.9; // of creases beside a plane, in it: chords of a rim keep its area where their ends stand out
 constexpr geometry::NearAlong kAlong = {0.975, 0.985};
 constexpr double kInside = 0.93;
 constexpr double kCovered = 0.94; // landmarks: what is between them may be a little farther
@@ -66,7 +68,9 @@ void SurfaceGuide::make_patches(const Surface &surface) {
         std::vector<std::array<Vec3, 3>> pieces;
         for (const Facet &f : members)
             pieces.push_back({points[f[0]], points[f[1]], points[f[2]]});
-        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}};
+        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}, 0.0};
+        for (const Facet &f : members)
+            one.area += 0.5 * norm(normal_of({points[f[0]], points[f[1]], points[f[2]]}));
         const auto [plane, extent, off] = geometry::plane_of(points, members);
         one.plane = plane;
         one.planar = extent > kept_ && geometry::is_flat(off, extent, flat);
@@ -206,7 +210,7 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             x = curve.plane->nearest(x);
             left = {Freedom::Kind::plane, curve.plane->normal()};
         }
-        clamp(curve.tree, kTube * tolerance_);
+        clamp(curve.tree, (curve.plane ? kRim : kTube) * tolerance_);
         break;
     }
     case Stratum::corner: {
@@ -280,6 +284,13 @@ double SurfaceGuide::offset(int patch, const std::array<Vec3, 3> &corners, const
         sum += dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
     }
     return sum / (kSamples - kInner);
+}
+
+double SurfaceGuide::height(int patch, const Vec3 &x) const {
+    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const auto found = tree.closest(x);
+    const Vec3 off = x - found.point;
+    return dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
 }
 
 Vec3 SurfaceGuide::normal(int patch, const Vec3 &x) const {

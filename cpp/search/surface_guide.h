@@ -55,6 +55,9 @@ class SurfaceGuide {
     double tolerance() const { return tolerance_; }
     std::size_t patches() const { return patches_.size(); }
     bool planar(int patch) const { return patches_[patch].planar; }
+    bool straight(int curve) const { return curves_[curve].straight; }
+    /// Of all the surface's triangles in the patch.
+    double area(int patch) const { return patches_[patch].area; }
     /// Whether the curve is kept exactly, or a planar patch beside it.
     bool exact(int curve) const { return curves_[curve].straight || curves_[curve].plane; }
 
@@ -73,6 +76,8 @@ class SurfaceGuide {
             double enough = std::numeric_limits<double>::infinity()) const;
     /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
     double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
+    /// Signed distance of x from the patch, in front of its triangles positive.
+    double height(int patch, const Vec3 &x) const;
     /// Unit normal of the patch where it is closest to x.
     Vec3 normal(int patch, const Vec3 &x) const;
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
@@ -105,6 +110,7 @@ class SurfaceGuide {
         geometry::BoundingTree<3> tree;
         bool planar = false;
         geometry::Plane plane;
+        double area = 0.0;
     };
     struct Curve {
         geometry::BoundingTree<2> tree;

@@ -7,23 +7,174 @@ namespace wct::search {
 
 namespace {
 constexpr int kSweeps = 10;
+constexpr int kSmooth = 4;         // sweeps
 constexpr double kBalanced = 0.01; // of the tolerance
+constexpr double kKept = 1e-4;     // of an area or volume
+
+double volume_of(const TetComplex &complex, const Tet &tet) {
+    const Vec3 &o = complex.point(tet[0]);
+    return dot(cross(complex.point(tet[1]) - o, complex.point(tet[2]) - o), complex.point(tet[3]) - o) / 6.0;
+}
 } // namespace
 
 void SurfaceBalance::run() {
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        const std::vector<double> offset = offsets();
-        if (std::all_of(offset.begin(), offset.end(),
-                        [&](double here) { return std::abs(here) <= kBalanced * guide_.tolerance(); }))
-            return;
-        bool any = false;
+    smooth();
+    even_out();
+    keep_areas();
+    if (!volumes_.empty())
+        keep_volumes();
+}
+
+void SurfaceBalance::smooth() {
+    std::vector<TetComplex::SurfaceAt> around;
+    for (int sweep = 0; sweep < kSmooth; ++sweep) {
+        std::vector<double> height(complex_.vertex_slots(), 0.0);
+        std::vector<int> curved;
         for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
             const int v = static_cast<int>(k);
             const Vertex &vertex = complex_.vertex(v);
-            if (complex_.used(v) && vertex.stratum == Stratum::patch && !guide_.planar(vertex.label))
-                any |= shift(v, -offset[vertex.label]);
+            if (!complex_.used(v) || vertex.stratum != Stratum::patch || guide_.planar(vertex.label))
+                continue;
+            curved.push_back(v);
+            height[v] = guide_.height(vertex.label, vertex.position);
+        }
+        for (const int v : curved) {
+            double sum = 0.0, count = 0.0;
+            complex_.surface_at(v, around);
+            for (const auto &[key, facet] : around)
+                for (const int w : key)
+                    if (w != v && complex_.vertex(w).stratum == Stratum::patch) {
+                        sum += height[w];
+                        count += 1.0;
+                    }
+            if (count > 0.0)
+                shift(v, 0.5 * (sum / count - height[v]));
+        }
+    }
+}
+
+void SurfaceBalance::even_out() {
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        std::vector<double> offset = offsets();
+        if (std::all_of(offset.begin(), offset.end(),
+                        [&](double here) { return std::abs(here) <= kBalanced * guide_.tolerance(); }))
+            return;
+        for (double &here : offset)
+            here = -here;
+        if (!shift_patches(offset))
+            return;
+    }
+}
+
+bool SurfaceBalance::shift_patches(const std::vector<double> &by) {
+    bool any = false;
+    for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
+        const int v = static_cast<int>(k);
+        const Vertex &vertex = complex_.vertex(v);
+        if (complex_.used(v) && vertex.stratum == Stratum::patch && !guide_.planar(vertex.label) &&
+            by[vertex.label] != 0.0)
+            any |= shift(v, by[vertex.label]);
+    }
+    return any;
+}
+
+Vec3 SurfaceBalance::area_gradient(int v, int patch) const {
+    Vec3 sum;
+    std::vector<TetComplex::SurfaceAt> around;
+    complex_.surface_at(v, around);
+    for (const auto &[key, facet] : around) {
+        if (facet->patch != patch)
+            continue;
+        std::array<Vec3, 2> others;
+        std::size_t count = 0;
+        for (const int w : key)
+            if (w != v)
+                others[count++] = complex_.point(w);
+        // Half the opposite edge, turned in the plane towards v.
+        const Vec3 edge = others[1] - others[0], n = cross(edge, complex_.point(v) - others[0]);
+        sum += 0.5 * cross(unit(n), edge);
+    }
+    return sum;
+}
+
+void SurfaceBalance::keep_areas() {
+    std::vector<std::vector<int>> rims(guide_.patches()); // vertices of curved creases beside planar patches
+    std::vector<TetComplex::SurfaceAt> around;
+    for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
+        const int v = static_cast<int>(k);
+        const Vertex &vertex = complex_.vertex(v);
+        if (!complex_.used(v) || vertex.stratum != Stratum::crease || guide_.straight(vertex.label))
+            continue;
+        complex_.surface_at(v, around);
+        for (const auto &[key, facet] : around)
+            if (guide_.planar(facet->patch) && (rims[facet->patch].empty() || rims[facet->patch].back() != v))
+                rims[facet->patch].push_back(v);
+    }
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        std::vector<double> missing(guide_.patches(), 0.0);
+        for (std::size_t patch = 0; patch < missing.size(); ++patch)
+            missing[patch] = guide_.area(static_cast<int>(patch));
+        for (const auto &[key, patch] : complex_.sorted_surface())
+            missing[patch] -= 0.5 * norm(normal_of(complex_.corners(key)));
+        bool any = false;
+        for (std::size_t p = 0; p < rims.size(); ++p) {
+            const int patch = static_cast<int>(p);
+            if (rims[p].empty() || std::abs(missing[p]) <= kKept * guide_.area(patch))
+                continue;
+            double length = 0.0;
+            for (const int v : rims[p])
+                length += norm(area_gradient(v, patch));
+            for (const int v : rims[p])
+                any |= move(v, complex_.point(v) + (missing[p] / length) * unit(area_gradient(v, patch)));
         }
         if (!any)
+            return;
+    }
+}
+
+void SurfaceBalance::keep_volumes() {
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        std::vector<double> missing(volumes_.begin(), volumes_.end());
+        for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
+            if (const int t = static_cast<int>(k); complex_.alive(t))
+                missing[complex_.region(t)] -= volume_of(complex_, complex_.tet(t));
+        bool kept = true;
+        for (std::size_t r = 0; r < missing.size(); ++r)
+            kept = kept && std::abs(missing[r]) <= kKept * volumes_[r];
+        if (kept)
+            return;
+        // By how much each region grows when a curved patch is shifted by 1.
+        std::vector<std::vector<double>> growth(missing.size(), std::vector<double>(guide_.patches(), 0.0));
+        for (const auto &[key, patch] : complex_.sorted_surface()) {
+            if (guide_.planar(patch))
+                continue;
+            const std::array<Vec3, 3> corners = complex_.corners(key);
+            const Vec3 middle = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]);
+            const Vec3 normal = guide_.normal(patch, middle);
+            for (const int t : complex_.star(key[0])) {
+                if (!complex_.has(t, key[1]) || !complex_.has(t, key[2]))
+                    continue;
+                Vec3 center;
+                for (const int v : complex_.tet(t))
+                    center += 0.25 * complex_.point(v);
+                const double side = dot(center - middle, normal) < 0.0 ? 1.0 : -1.0;
+                growth[complex_.region(t)][patch] += side * 0.5 * norm(normal_of(corners));
+            }
+        }
+        // Shifts that give each region what it misses (Kaczmarz): equal ones on all its patches, region by region.
+        std::vector<double> by(guide_.patches(), 0.0);
+        for (int round = 0; round < 8; ++round)
+            for (std::size_t r = 0; r < missing.size(); ++r) {
+                double left = missing[r], area = 0.0;
+                for (std::size_t p = 0; p < by.size(); ++p) {
+                    left -= growth[r][p] * by[p];
+                    area += std::abs(growth[r][p]);
+                }
+                for (std::size_t p = 0; p < by.size() && area > 0.0; ++p)
+                    if (growth[r][p] != 0.0)
+                        by[p] += std::copysign(left / area, left * growth[r][p]);
+            }
+        if (!shift_patches(by))
             return;
     }
 }
@@ -53,9 +204,12 @@ SurfaceBalance::Short SurfaceBalance::short_around(int v) const {
 }
 
 bool SurfaceBalance::shift(int v, double by) {
+    return move(v, complex_.point(v) + by * guide_.normal(complex_.vertex(v).label, complex_.point(v)));
+}
+
+bool SurfaceBalance::move(int v, const Vec3 &x) {
     const Short before = short_around(v);
     complex_.mark();
-    const Vec3 x = complex_.point(v) + by * guide_.normal(complex_.vertex(v).label, complex_.point(v));
     if (descent_.nudge(v, x)) {
         const Short after = short_around(v);
         if (after.of_margin <= before.of_margin && after.of_goal <= before.of_goal) {

@@ -4,23 +4,39 @@
 #include "search/tet_complex.h"
 #include "search/vertex_descent.h"
 
+#include <span>
 #include <vector>
 
 namespace wct::search {
 
-/// Shifts the vertices of curved patches until the facets lie as much before a patch as behind it, so that the regions
-/// on both sides keep their volumes. Vertices stay where that would make a tet bad or leave the tolerance.
+/// Shifts vertices of curved patches until the facets lie as much before a patch as behind it; then those of the curved
+/// rims of planes, in the plane, until these have their area; then curved patches again, until regions have their
+/// volume. Vertices stay where that would make a tet bad or leave the tolerance.
 class SurfaceBalance {
   public:
-    SurfaceBalance(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, StarDescent &descent)
-        : complex_(complex), energy_(energy), guide_(guide), descent_(descent) {}
+    /// `volumes` that the regions are to have, by number; empty: any.
+    SurfaceBalance(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, StarDescent &descent,
+                   std::span<const double> volumes)
+        : complex_(complex), energy_(energy), guide_(guide), descent_(descent), volumes_(volumes) {}
 
     void run();
 
   private:
+    /// Each vertex of a curved patch half-way to the mean height of its neighbours, as none is higher for the surface's
+    /// sake.
+    void smooth();
+    /// The facets of a patch as far before it as behind, in the mean.
+    void even_out();
+    void keep_areas();
+    void keep_volumes();
     /// Mean signed distance of the facets from each curved patch, in front of its triangles positive.
     std::vector<double> offsets();
+    /// Move v to x, if nothing speaks against it.
+    bool move(int v, const Vec3 &x);
     bool shift(int v, double by);
+    bool shift_patches(const std::vector<double> &by);
+    /// How the area of a planar patch changes when v, on its rim, moves in its plane.
+    Vec3 area_gradient(int v, int patch) const;
     /// Tets at v that are short of the margin asked for, and those of them that miss the goal itself.
     struct Short {
         int of_margin = 0, of_goal = 0;
@@ -31,6 +47,7 @@ class SurfaceBalance {
     const SearchEnergy &energy_;
     const SurfaceGuide &guide_;
     StarDescent &descent_;
+    std::span<const double> volumes_;
 };
 
 } // namespace wct::search

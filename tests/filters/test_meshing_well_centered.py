@@ -135,14 +135,14 @@ def test_tags_survive_on_a_finer_reference():
     triangles = mesh.topology.boundary
     height = mesh.points[triangles].mean(axis=1)[:, 2]
     mesh = replace(mesh, facets=Cells(triangles, np.select([height < 1e-9, height > 2 - 1e-9], [1, 2], 3)))
-    better, _ = run(mesh, reference=surface, tolerance=1e-2, goal="3wc")
+    better, _ = run(mesh, reference=surface, tolerance=5e-3, goal="3wc")
     check_domain(mesh, better)
-    apart = 1e-2 * surface.diagonal  # what the rim of a disk, of radius 1, may be off everywhere
+    apart = 5e-3 * surface.diagonal  # what the rim of a disk, of radius 1, may be off everywhere
     for tag, wanted, off in ((1, np.pi, 2 * np.pi * apart), (2, np.pi, 2 * np.pi * apart), (3, 4 * np.pi, 0.2)):
         found = better.facets.vertices[better.facets.tags == tag]
         assert area(better.points, found) == pytest.approx(wanted, abs=off)
     assert len(better.facets) == len(better.topology.boundary)
-    assert measure_deviation(better.boundary_surface(), surface).max <= 1e-2 * surface.diagonal
+    assert measure_deviation(better.boundary_surface(), surface).max <= 5e-3 * surface.diagonal
 
 
 def test_a_reference_that_cannot_be_followed_is_said():

@@ -359,6 +359,7 @@ def search_well_centered(
     loose: NDArray[np.int64] | None = None,
     worth: float = ...,
     flat: float = 0.0,
+    volumes: NDArray[np.float64] | None = None,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -380,6 +381,9 @@ def search_well_centered(
     planar patch that is, become ordinary surface where tets near them withstand an eighth of the ``kicks``.
     ``flat``: a length, as far off a plane or line the surface's vertices may be where they count as on it, if that is
     more than 1e-9 of its extent.
+
+    ``volumes`` (regions,), > 0: what the regions are to have in the end, as far as tets and tolerance allow. Planar
+    patches with curved rims keep their area so too.
 
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     """

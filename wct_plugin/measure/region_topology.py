@@ -49,18 +49,22 @@ def changes(old: dict[str, RegionTopology], new: dict[str, RegionTopology]) -> l
     Edges and vertices that join more than two sheets may be more or fewer where there were some: a joint made of other
     edges is the same joint.
     """
-    out = []
+    out: list[tuple[str, str, int, int]] = []
     for tag, before in old.items():
         after = new.get(tag)
         if after is None:
             out.append((tag, "components", before["components"], 0))
             continue
-        for name in ("components", "euler_characteristic"):
-            if before[name] != after[name]:
-                out.append((tag, name, before[name], after[name]))
-        for name in ("joined_edges", "pinched_vertices"):
-            if bool(before[name]) != bool(after[name]):
-                out.append((tag, name, before[name], after[name]))
+        measures = (
+            ("components", before["components"], after["components"]),
+            ("euler_characteristic", before["euler_characteristic"], after["euler_characteristic"]),
+        )
+        joints = (
+            ("joined_edges", before["joined_edges"], after["joined_edges"]),
+            ("pinched_vertices", before["pinched_vertices"], after["pinched_vertices"]),
+        )
+        out += [(tag, name, was, now) for name, was, now in measures if was != now]
+        out += [(tag, name, was, now) for name, was, now in joints if bool(was) != bool(now)]
     return out
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
+from wct_plugin.meshing.followed_surface import enclosed_volumes
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.meshing.released_creases import without
@@ -60,6 +61,7 @@ class LocalSearch:
             loose=on.strata.soft_curves if self.boundary == "move" else None,
             worth=worth,
             flat=on.flat,
+            volumes=_volumes(on) if self.boundary == "move" else None,
             surface_points=on.points,
             surface_triangles=on.strata.triangles,
             surface_patch=on.strata.patch,
@@ -189,6 +191,12 @@ class LocalSearch:
 
     def _without(self, on: Reference, creases: Ints) -> Reference:
         return without(on, creases, self.mesh.nodes.vertices.ravel())
+
+
+def _volumes(on: Reference) -> Floats | None:
+    """Of the regions in the order of their indices; None where the surface encloses none, as one with holes may."""
+    enclosed = np.array(list(enclosed_volumes(on).values()))
+    return enclosed if (enclosed > 0.0).all() else None
 
 
 def ranked(tried: "list[SearchedArrays]") -> "list[SearchedArrays]":
