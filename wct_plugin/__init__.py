@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from wct_plugin.pipeline.pipeline import Pipeline
     from wct_plugin.pipeline.result import Result
     from wct_plugin.pipeline.stage import apply_filter
+    from wct_plugin.pipeline.time_limit import TimeLimit
 
 #: Where each public name comes from.
 _HOMES = {
@@ -45,6 +46,7 @@ _HOMES = {
     "Result": "wct_plugin.pipeline.result",
     "SurfaceMesh": "wct_plugin.mesh",
     "TetMesh": "wct_plugin.mesh",
+    "TimeLimit": "wct_plugin.pipeline.time_limit",
     "WctError": "wct_plugin.errors",
     "WctWarning": "wct_plugin.errors",
     "Writer": "wct_plugin.pipeline.constructors",
@@ -67,6 +69,7 @@ __all__ = [
     "Result",
     "SurfaceMesh",
     "TetMesh",
+    "TimeLimit",
     "WctError",
     "WctWarning",
     "Writer",

@@ -11,6 +11,7 @@ class Progress:
     stage: str
     done: float
     bad: int | None = None
+    expected: int | None = None  #: tets of the mesh that is being made, about (None: unknown)
 
 
 #: Called now and then during long work; returning False stops it and keeps the best so far.

@@ -5,6 +5,7 @@
 #include "sampling/odt_relaxation.h"
 #include "sampling/pinch_mending.h"
 #include "sampling/sharp_edge_rows.h"
+#include "sampling/tet_estimate.h"
 
 #include <algorithm>
 #include <chrono>
@@ -321,6 +322,9 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     lap("map");
     domain::Sizing sizing(reference, mesh, map, options.sizing, wanted, workers);
     lap("sizing");
+    if (options.expected && !renewal && !options.expected(estimate_tets(reference, mesh, sizing, workers)))
+        return result;
+    lap("estimate");
     std::vector<double> correction(reference.data().points.size(), 0.0);
     const std::vector<double> ceiling = sizing.surface;
     Random random(options.seed);
@@ -343,13 +347,15 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
             keep_off_sharp(cloud, reference, sizing, workers);
             if (sweep % 8 == 7)
                 refresh_sizes(cloud, sizing, workers);
-            monitor.work(complex.all.tets.size(), 0.0);
+            monitor.report(0.0); // a sweep takes far longer than so many evaluations
         }
         return cloud;
     };
     const int trials = curved && !renewal ? options.trials : 0; // sizes do where nearly all came right
     for (int trial = 0; trial < trials && !monitor.stopped(); ++trial) {
         Cloud cloud = relaxed(seeds(), options.trial_sweeps);
+        if (monitor.stopped())
+            break;
         drop_twins(cloud);
         const RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
         learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, options);
@@ -366,6 +372,8 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     const FitForm fit{options.fit_target * tolerance, options.fit_weight, options.fit_pull, shell};
     const auto run = [&]() -> std::optional<Start> { // nothing where it is stopped before the first round
         std::optional<Start> best;
+        if (monitor.stopped())
+            return best;
         Cloud cloud = seeds();
         Cloud far; // from all that moves
         if (renewal) {
@@ -402,10 +410,9 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
             energy::EnergyForm energy = options.energy;
             if (!options.cosines)
                 energy.weight2 = 0.0;
-            const std::size_t evaluations =
-                descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference, sizing.sharp()),
-                        fit, ties, options.iterations, options.reach);
-            monitor.work(evaluations, static_cast<double>(round) / options.rounds);
+            descend(cloud, complex, direction, energy, EdgeForm{}, curved_points(cloud, reference, sizing.sharp()), fit,
+                    ties, options.iterations, options.reach);
+            monitor.report(static_cast<double>(round) / options.rounds);
         }
         lap("descent");
         return best;

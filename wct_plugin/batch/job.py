@@ -20,6 +20,7 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.provenance import plain, versions
 from wct_plugin.pipeline.stage import Mesh
+from wct_plugin.pipeline.time_limit import TimeLimit
 
 RECORD = "record.json"
 OUTPUT = "output"
@@ -36,6 +37,7 @@ class Job:
     folder: str  #: working directory, which names in options start from
     work: str  #: where attempts at the job make their folders
     timeout: float | None = None  #: seconds
+    time_limit: float | None = None  #: seconds after which the filters are asked to stop
     memory: int | None = None  #: bytes
 
 
@@ -132,8 +134,11 @@ def perform(job: Job, attempt: Path) -> int:
 def _run(job: Job, output: Path) -> dict[str, Any]:
     if not Path(job.source).exists():  # it was there when the batch started
         raise InputError(f"{job.source}: no such file any more")
-    result = Pipeline.from_json(job.pipeline).between(job.source, [output / job.name]).execute()
+    limit = None if job.time_limit is None else TimeLimit(job.time_limit)
+    result = Pipeline.from_json(job.pipeline).between(job.source, [output / job.name]).execute(limit)
     missed = [str(goal) for goal in result.goals if not goal.met]
+    if limit is not None and (ended := limit.ended(result)):
+        missed.append(ended)
     return {
         "exit_code": 1 if missed else 0,
         "cause": "; ".join(missed) or None,

@@ -70,6 +70,7 @@ def run_batch(
     suffix: str | None = None,
     jobs: int | None = None,
     timeout: float | None = None,
+    time_limit: float | None = None,
     memory_limit: float | None = None,
     resume: bool = False,
     retry_failed: bool = False,
@@ -96,6 +97,8 @@ def run_batch(
         How many files at a time; None is as many as there are cores.
     timeout : float or None
         Seconds that a file may take; None is no limit.
+    time_limit : float or None
+        Seconds after which a file's filters are asked to stop and keep their best so far; None is no limit.
     memory_limit : float or None
         Megabytes that a file's processes may use together (Linux only); None is no limit.
     resume : bool
@@ -125,7 +128,7 @@ def run_batch(
         When Ctrl-C is pressed; it says how many files are finished, and what ran is ended.
     """
     chain = pipeline if isinstance(pipeline, Pipeline) else Pipeline() | pipeline
-    _check_limits(jobs, timeout, memory_limit, scheduler)
+    _check_limits(jobs, scheduler, timeout=timeout, time_limit=time_limit, memory_limit=memory_limit)
     target = Path(folder)
     tasks = plan.plan(chain, inputs, target, suffix)
     part = ""
@@ -141,6 +144,7 @@ def run_batch(
         folder=os.getcwd(),
         work=str(manifest.work),
         timeout=timeout,
+        time_limit=time_limit,
         memory=None if memory_limit is None else math.ceil(memory_limit * _MEGABYTE),
     )
     started = False
@@ -175,15 +179,15 @@ def run_batch(
     return BatchResult(tuple(summary.ordered(found)), len(waiting), csv, html)
 
 
-def _check_limits(jobs: int | None, timeout: float | None, memory: float | None, scheduler: str | None) -> None:
+def _check_limits(jobs: int | None, scheduler: str | None, **limits: float | None) -> None:
     if jobs is not None and scheduler is not None:
         raise OptionError("jobs is for this machine; how many run at a time on a scheduler's workers is theirs to say")
     if jobs is not None and not (isinstance(jobs, int) and jobs >= 1):
         raise OptionError(f"jobs is {jobs}; allowed is a whole number, 1 or more")
-    for name, value in (("timeout", timeout), ("memory_limit", memory)):
+    for name, value in limits.items():
         if value is not None and not 0 < value < math.inf:
             raise OptionError(f"{name} is {value}; allowed is a number above 0")
-    if memory is not None and sys.platform != "linux":
+    if limits["memory_limit"] is not None and sys.platform != "linux":
         raise OptionError(f"memory_limit cannot be kept on {sys.platform}; leave it out")
 
 

@@ -34,6 +34,7 @@ class _Shard(click.ParamType[tuple[int, int]]):
 @click.option("--format", "suffix", metavar="SUFFIX", help="Of the outputs  [default: each input's own; surfaces: vtu]")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Files at a time  [default: number of cores]")
 @click.option("--timeout", type=float, metavar="SECONDS", help="Longest that a file may take")
+@click.option("--time-limit", type=float, metavar="SECONDS", help="Stop a file after so long and keep its best so far")
 @click.option("--memory-limit", type=float, metavar="MB", help="Most memory that a file's processes may use together")
 @click.option("--resume", is_flag=True, help="Go on with the batch in DIR; what is finished is not done again")
 @click.option("--retry-failed", is_flag=True, help="The same, but try again what failed")
@@ -49,6 +50,7 @@ def batch(
     suffix: str | None,
     jobs: int | None,
     timeout: float | None,
+    time_limit: float | None,
     memory_limit: float | None,
     resume: bool,
     retry_failed: bool,
@@ -75,6 +77,7 @@ def batch(
                 suffix=suffix,
                 jobs=jobs,
                 timeout=timeout,
+                time_limit=time_limit,
                 memory_limit=memory_limit,
                 resume=resume,
                 retry_failed=retry_failed,

@@ -10,9 +10,10 @@ import click
 from rich.text import Text
 
 from wct_plugin.cli import filter_options
-from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, err, out
+from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import print_before_after, write_text
 from wct_plugin.cli.progress_bar import progress_bar
+from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import OptionError, WctError
 from wct_plugin.io import read
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -43,6 +44,7 @@ _MESHER_PREFIX = "mesher_"
 @filter_options.filter_options(*OPTIMIZERS)
 @filter_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @filter_options.msh_options
+@time_limit_option
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option(
     "--html",
@@ -56,6 +58,7 @@ def optimize(
     source: str,
     target: str,
     optimizer_name: str,
+    seconds: float | None,
     json_path: str | None,
     html_path: str | None,
     print_pipeline: bool,
@@ -66,6 +69,7 @@ def optimize(
     Exit code 0: every tet meets the goal, and all of the domain is kept. 1: the best mesh is written, and the last line
     says what was missed. 2: an error or an interrupt, which says what was written before it, if anything.
     """
+    limit = CommandLimit(seconds)
     optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
     mesher = find_filter(_MESHER)(**mesher_options)
@@ -93,17 +97,18 @@ def optimize(
         write_text("-", json_form.text(chain.to_json()))
         return GOAL_MET
     with _unplaced(), progress_bar() as progress:
-        result = _optimizing(mesh, filters, writers).execute(progress)
+        result = _optimizing(mesh, filters, writers).execute(limit.beside(progress))
     optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
     flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
     if json_path == "-":
         write_text("-", json.dumps(report_content(flows), indent=2))
     else:
         print_before_after(*side_by_side(flows).values())
-    for goal in result.goals:  # the last line says what exit code 1 is for
+    console = err if json_path == "-" else out
+    for goal in result.goals:  # the last lines say what exit code 1 is for
         if not goal.met:
-            (err if json_path == "-" else out).print(Text(f"missed: {goal}"), soft_wrap=True)
-    return GOAL_MET if result.goal_met else GOAL_MISSED
+            console.print(Text(f"missed: {goal}"), soft_wrap=True)
+    return limit.exit_code(result, console)
 
 
 @contextmanager

@@ -8,9 +8,10 @@ import click
 from click.shell_completion import CompletionItem
 from rich.text import Text
 
-from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
+from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import check_outputs, print_result, write_text
 from wct_plugin.cli.progress_bar import progress_bar
+from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import presets
@@ -45,6 +46,7 @@ def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: s
 @click.option(
     "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
 )
+@time_limit_option
 @click.option("--validate", is_flag=True, help="Check the pipeline and end; inputs are read, no filter runs")
 @click.option(
     "--metadata", "metadata_path", metavar="FILE", help="Write options, metrics, seconds as JSON (- for stdout)"
@@ -54,6 +56,7 @@ def run_pipeline(
     chain: str | None,
     paths: Sequence[str],
     settings: Sequence[str],
+    seconds: float | None,
     validate: bool,
     metadata_path: str | None,
     print_schema: bool,
@@ -67,6 +70,7 @@ def run_pipeline(
     goal. 1: something was missed, and the last line says what; all is written. 2: an error or an interrupt, which says
     what was written before it, if anything.
     """
+    limit = CommandLimit(seconds)
     if print_schema:
         write_text("-", json.dumps(schema(), indent=2))
         return GOAL_MET
@@ -85,9 +89,9 @@ def run_pipeline(
         raise click.UsageError(f"nothing would be written; give an output: wct run {chain} IN OUT, or --metadata FILE")
     check_outputs(metadata_path)
     with progress_bar() as progress:
-        result = pipeline.execute(progress)
+        result = pipeline.execute(limit.beside(progress))
     if metadata_path:
         write_text(metadata_path, json.dumps(result.metadata(), indent=2))
     if metadata_path != "-":
         print_result(result)
-    return GOAL_MET if result.goal_met else GOAL_MISSED
+    return limit.exit_code(result, err if metadata_path == "-" else out)
