@@ -38,6 +38,7 @@ from wct_plugin.meshing.reference_choice import choose
 from wct_plugin.meshing.reference_fit import check_near, gap
 from wct_plugin.meshing.released_creases import measure_released
 from wct_plugin.meshing.search_mesh import SearchMesh
+from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.transfer import carry, resampled
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
@@ -68,10 +69,11 @@ class MeshingOptions(Options):
     reference: SkipJsonSchema[SurfaceMesh] | str | None = Field(
         None, description="Surface to stay near, or its file (none: the surface read at the start, or the own boundary)"
     )
-    edge_length: float | str | SkipJsonSchema[np.ndarray] | None = Field(
+    edge_length: float | str | dict[str, float] | SkipJsonSchema[np.ndarray] | None = Field(
         None,
-        description="Edge length in the mesh's unit: a number > 0, one per point, or the name of point data"
-        " (none: the input's own); shorter where the tolerance needs it",
+        description="Edge length in the mesh's unit: a number > 0, one per point, the name of point data, or one per"
+        " region or group of facets, * for the rest: oxide=0.01,*=0.1 (none, or no *: the input's own); shorter where"
+        " the tolerance needs it",
     )
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"
@@ -80,6 +82,7 @@ class MeshingOptions(Options):
         "exact",
         description="exact: what is plane but for the rounding of a file becomes plane; input: all stays as it came",
     )
+    max_tets: int | None = Field(None, ge=1, description="Most tets that the new mesh may have (none: any number)")
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
@@ -214,13 +217,19 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         measured = quality.measure(mesh)
         bad = self._bad(mesh, measured)
-        if not bad and wanted is None and not options.force and _follows(mesh, own, reference, tolerance):
-            none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True, "planes": plane}
-            return _Found(mesh, measured, tolerance, {**none, "released": _no_crease(own)}, reference)
+        within = options.max_tets is None or len(mesh.tets) <= options.max_tets
+        asked = wanted is not None or options.force or not within
+        if not bad and not asked and _follows(mesh, own, reference, tolerance):
+            none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
+            none |= {"planes": plane, "estimate": None, "released": _no_crease(own)}
+            return _Found(mesh, measured, tolerance, none, reference)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
-        search = LocalSearch(straight, options.boundary, acute, options.margin, options.effort, options.seed, listen)
+        limit = TetLimit(options.max_tets, listen)
+        search = LocalSearch(
+            straight, options.boundary, acute, options.margin, options.effort, options.seed, listen, limit
+        )
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, held, wanted)
@@ -228,12 +237,14 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             tried = search.run_finer(fresh, reference, held, wanted)
         else:
             reference = own
-            start = self._own_start(straight, own, wanted, listen)
-            tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
+            start = self._own_start(straight, own, wanted, listen, limit)
+            stays = listen.stopped or not limit.takes(len(start["tets"]))
+            tried = [] if stays else [search.run(start, own, held, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
-        work["planes"] = plane
-        if not tried:  # stopped before there was any other mesh
-            work |= {"stopped": True, "kept": False, "released": _no_crease(own)}
+        work |= {"stopped": listen.stopped, "kept": False, "planes": plane, "estimate": limit.expected}
+        if not tried:  # stopped before there was any other mesh, or none has few enough tets
+            work["released"] = _no_crease(own)
+            limit.warn(missed=bad > 0 or asked)
             return _Found(mesh, measured, tolerance, work, reference)
         faults: list[str] = []
         found, better = None, mesh
@@ -249,11 +260,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         listen.measure(found["bad"] if found else bad)
         after = quality.measure(better)
         gain = bad * len(after) - self._bad(better, after) * len(measured)
-        if gain < 0 or (gain == 0 and listen.stopped):  # the output is never worse
+        if within and (gain < 0 or (gain == 0 and listen.stopped)):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
-        work["stopped"], work["kept"] = listen.stopped, False
+        limit.warn(missed=self._bad(better, after) > 0 or not limit.holds(len(better.tets)) or wanted is not None)
         work["released"] = measure_released(
             reference, found["released"] if found and better is not mesh else np.empty(0, dtype=np.int64)
         )
@@ -311,6 +322,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             else:
                 found = conforming.conform(mesh, own, surface, tolerance, **asked)
             new = mesh if found is None else carry(mesh, own.strata, found)
+            if options.max_tets is not None and len(new.tets) > options.max_tets:
+                new = mesh
             measured = quality.measure(new)
             left = self._bad(new, measured)
             fault = self._fault(mesh, new, own, tolerance, unit, tangled=tangled, stopped=False) if found else ""
@@ -380,7 +393,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         said: Metrics = {"groups": groups, "sharp_edges": sharp, "losses": losses}
         return {"bad": left["count"], "tets": len(new.tets), **kept, **said, "shape": shape, "remaining": left}
 
-    def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> SearchMesh:
+    def _own_start(
+        self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener, limit: TetLimit
+    ) -> SearchMesh:
         """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
         moves = self.options.boundary == "move"
         start = search_mesh.from_mesh(mesh, own, pinned=not moves)
@@ -390,7 +405,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             return start
         acute, seed = self.options.goal == "cwc", self.options.seed + 1
         refilled = search_mesh.refill(start, own.sides, size, acute=acute, seed=seed, progress=listen.resample)
-        if refilled is None or listen.stopped or self._share(refilled) >= self._share(start):
+        if refilled is None or listen.stopped or not limit.takes(len(refilled["tets"])):
+            return start
+        if limit.holds(len(start["tets"])) and self._share(refilled) >= self._share(start):
             return start
         return refilled
 

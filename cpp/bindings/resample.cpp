@@ -159,7 +159,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
                          const std::optional<Array> &finer_size, const std::optional<Array> &kept_points,
                          const std::optional<Array> &kept_stratum, const std::optional<Array> &kept_label,
                          const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius, bool cosines,
-                         std::uint64_t seed, const nb::object &progress, double gap, double flat, unsigned threads) {
+                         std::uint64_t seed, const nb::object &progress, double gap, double flat,
+                         const nb::object &expected, unsigned threads) {
     trim();
     domain::SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
@@ -185,6 +186,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     options.sizing.limits = limits_of(finer_at, finer_size);
     options.cosines = cosines;
     options.seed = seed;
+    if (!expected.is_none())
+        options.expected = [&](double tets) { return goes_on(expected, tets); };
     const std::optional<sampling::PartialRenewal> renewal =
         renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
@@ -215,7 +218,7 @@ void bind_resample(nb::module_ &m) {
         nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
         nb::arg("anew_radius") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
         nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap, nb::arg("flat") = 0.0,
-        nb::arg("threads") = 0,
+        nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -229,7 +232,9 @@ void bind_resample(nb::module_ &m) {
         "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). progress(done, bad) "
         "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap. flat: as far off a plane or line vertices may be where they count as on it, if that is more than "
-        "1e-9 of its extent.\n\n"
+        "1e-9 of its extent. expected(tets) hears about how many tets there will be, before any is made, but for a "
+        "mesh made\n"
+        "anew in places; it returns False to give up, without a tet.\n\n"
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"
         "buried there, 1 patch, 2 crease, 3 corner),\n"
         "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "

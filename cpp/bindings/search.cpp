@@ -173,7 +173,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
                               const nb::object &progress, const std::optional<Array> &ruled_out,
                               const std::optional<Array> &loose, double worth, double flat,
-                              const std::optional<Array> &volumes) {
+                              const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -260,6 +260,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.kicks = kicks;
     options.seed = seed;
     options.worth = worth;
+    options.most = most_tets.value_or(options.most);
     if (volumes)
         options.volumes = sizes_of(
             *volumes, static_cast<std::size_t>(*std::max_element(region.begin(), region.end())) + 1, "volumes");
@@ -286,7 +287,7 @@ void bind_search(nb::module_ &m) {
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
           nb::arg("ruled_out") = nb::none(), nb::arg("loose") = nb::none(),
           nb::arg("worth") = std::numeric_limits<double>::infinity(), nb::arg("flat") = 0.0,
-          nb::arg("volumes") = nb::none());
+          nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none());
 }
 
 } // namespace wct::bindings

@@ -13,6 +13,7 @@
 #include "sampling/seeds.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,6 +27,8 @@ struct ResampleOptions {
     domain::SizingForm sizing;
     bool cosines = true;
     std::uint64_t seed = 1;
+    /// Hears about how many tets there will be, before any is made; false gives up. Not asked of a renewal.
+    std::function<bool(double tets)> expected;
 
     static constexpr double offset = 1.05; // of vertices over a bend, relative to what regular facets would need
     static constexpr double shell = 0.95;  // no offset beyond this share of the tolerance
@@ -69,7 +72,7 @@ struct Resampled {
     /// characteristics.
     bool intact = false;
     std::vector<int> lost; // points where it is not, but for corners
-    bool stopped = false;  // without a tet, where that was before there was any mesh
+    bool stopped = false;  // without a tet, where that was before there was any mesh; as where it was given up
     std::vector<std::pair<std::string, double>> stats;
 };
 

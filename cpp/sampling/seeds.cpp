@@ -1,5 +1,6 @@
 #include "sampling/seeds.h"
 
+#include "sampling/lattice_levels.h"
 #include "sampling/seed_corners.h"
 #include "sampling/seed_walls.h"
 #include "sampling/sharp_edge_rows.h"
@@ -209,10 +210,10 @@ void seed_patches(Cloud &cloud, const domain::Reference &reference, const domain
 class LatticeLevel {
   public:
     LatticeLevel(const domain::Reference &reference, const domain::RegionMap &map, const domain::Sizing &sizing,
-                 const SeedForm &form, const std::optional<PartialRenewal> &renewal, double cell, int level, int levels,
-                 double finest, double ratio)
-        : reference_(reference), map_(map), sizing_(sizing), form_(form), renewal_(renewal), cell_(cell), level_(level),
-          levels_(levels), finest_(finest), ratio_(ratio) {}
+                 const SeedForm &form, const std::optional<PartialRenewal> &renewal, int level,
+                 const LatticeLevels &levels)
+        : reference_(reference), map_(map), sizing_(sizing), form_(form), renewal_(renewal), cell_(levels.cell(level)),
+          level_(level), levels_(levels) {}
 
     template <class Take> void collect(const geometry::Box &box, const Take &take) const {
         const Vec3 extent = box.hi - box.lo;
@@ -221,11 +222,6 @@ class LatticeLevel {
         while (static_cast<double>(side) * cell_ < longest + cell_)
             side *= 2;
         descend(box.lo, 0, 0, 0, side, take);
-    }
-
-    int level_of(double size) const {
-        const double steps = std::log(size / form_.edge_per_cell / finest_) / std::log(ratio_);
-        return std::clamp(static_cast<int>(std::floor(steps + 0.05)), 0, levels_ - 1);
     }
 
   private:
@@ -241,10 +237,10 @@ class LatticeLevel {
         const domain::Foot foot = reference_.nearest(center);
         if (foot.distance > radius && map_.region(center, foot) < 0)
             return;
-        if (levels_ > 1) {
+        if (levels_.count() > 1) {
             const double size = sizing_.at(center);
             const double change = sizing_.form().inner_grade * radius;
-            if (level_of(std::max(size - change, 1e-3 * size)) > level_ || level_of(size + change) < level_)
+            if (levels_.of(std::max(size - change, 1e-3 * size)) > level_ || levels_.of(size + change) < level_)
                 return;
         }
         if (side > 4) {
@@ -268,7 +264,7 @@ class LatticeLevel {
 
     template <class Take> void try_point(const Vec3 &p, int &hint, const Take &take) const {
         const double size = sizing_.at(p);
-        if (level_of(size) != level_)
+        if (levels_.of(size) != level_)
             return;
         const domain::Foot foot = reference_.nearest(p, -1, hint);
         hint = foot.triangle;
@@ -286,9 +282,7 @@ class LatticeLevel {
     const std::optional<PartialRenewal> &renewal_;
     double cell_;
     int level_;
-    int levels_;
-    double finest_;
-    double ratio_;
+    const LatticeLevels &levels_;
 };
 
 } // namespace
@@ -307,23 +301,13 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         finest = sizes[sizes.size() / 50];
         least = sizes.front();
     }
-    finest /= form.edge_per_cell;
-    least /= form.edge_per_cell;
-    const double coarsest = sizing.form().coarsen * sizing.largest() / form.edge_per_cell;
-    // Both ends of the range of sizes are met exactly: a coarser wish rounded down to the level below costs tets.
-    const double range = std::log(std::max(1.0, coarsest / finest));
-    const int steps = static_cast<int>(std::lround(range / std::log(form.level_ratio)));
-    const double ratio = steps > 0 ? std::exp(range / steps) : form.level_ratio;
-    // The outliers get levels of their own: cells coarser than their size leave them with too few points.
-    const int finer = static_cast<int>(std::ceil(std::log(finest / least) / std::log(ratio) - 0.05));
-    const int levels = 1 + steps + finer;
-    finest *= std::pow(ratio, -finer);
+    const LatticeLevels levels(sizing, finest, least, form.edge_per_cell, form.level_ratio);
     PointGrid grid;
-    for (int level = 0; level < levels; ++level) {
-        const double cell = finest * std::pow(ratio, level);
+    for (int level = 0; level < levels.count(); ++level) {
+        const double cell = levels.cell(level);
         // Points of finer levels keep points of this one at a distance of a share of their mean cell.
         std::vector<Vec3> fresh;
-        LatticeLevel(reference, map, sizing, form, renewal, cell, level, levels, finest, ratio)
+        LatticeLevel(reference, map, sizing, form, renewal, level, levels)
             .collect(box, [&](const Vec3 &p, double size, int region) {
                 if (level > 0 && grid.crowded(p, form.level_gap * cell))
                     return;

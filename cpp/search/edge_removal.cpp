@@ -226,11 +226,15 @@ bool Operators::remove_edge(int a, int b, double slack) {
     for (int t : ring_.tets)
         before += complex_.energy(t);
     double after = 0.0;
+    std::size_t fresh = 0;
     for (int f = 0; f < fans; ++f) {
         const std::size_t size = fans_[f].polygon.size();
         if (size < 3 || size > kLargestRing)
             return false;
+        fresh += 2 * (size - 2);
     }
+    if (!has_room(ring_.tets.size(), fresh))
+        return false;
     for (int f = 0; f < fans; ++f) {
         if (!plan(fans_[f], a, b, before + slack - after))
             return false;
@@ -263,7 +267,7 @@ bool Operators::flip_23(int t, int i, double slack) {
     if (complex_.patch_of(x, y, z) >= 0)
         return false;
     const int s = complex_.across(t, x, y, z);
-    if (s < 0)
+    if (s < 0 || !has_room(2, 3))
         return false;
     int a = -1;
     for (int v : complex_.tet(s))

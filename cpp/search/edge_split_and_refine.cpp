@@ -92,7 +92,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         candidates_.push_back({v, b, p, q});
         regions_.push_back(complex_.region(ring_.tets[k]));
     }
-    if (!candidates_below(before + slack))
+    if (!has_room(ring_.tets.size(), candidates_.size()) || !candidates_below(before + slack))
         return std::nullopt;
     watch_.clear();
     for (std::size_t k = 0; k < facet_apices.size(); ++k) {

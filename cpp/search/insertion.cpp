@@ -132,7 +132,7 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
                        std::find(f.begin(), f.end(), edge[1]) != f.end();
             }))
             return false;
-    return candidates_below(before + slack) && candidates_fit(cavity_);
+    return has_room(cavity_.size(), candidates_.size()) && candidates_below(before + slack) && candidates_fit(cavity_);
 }
 
 bool Operators::cone_is_closed(int v, const std::vector<Edge> &rim) const {

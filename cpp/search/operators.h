@@ -5,6 +5,7 @@
 #include "search/tet_complex.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -58,8 +59,14 @@ class Operators {
     /// New edges stay within these multiples of the wanted size.
     double shortest = 0.35;
     double longest = 2.2;
+    /// No change may leave more tets than so many.
+    std::size_t most = std::numeric_limits<std::size_t>::max();
 
   private:
+    /// Whether so many fresh tets may take the place of those that go.
+    bool has_room(std::size_t gone, std::size_t fresh) const {
+        return fresh <= gone || fresh - gone <= most - std::min(most, complex_.tets());
+    }
     struct Fan {
         std::vector<int> polygon;
         std::vector<int> tets;

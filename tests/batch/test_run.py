@@ -92,6 +92,7 @@ def test_a_record_holds_what_was_done(done):
             "tets": len(bcc(2).tets),
             "missed": 0,
             "valid": True,
+            "most": None,
             "losses": [],
             "stopped": False,
         }

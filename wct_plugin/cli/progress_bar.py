@@ -24,6 +24,8 @@ def progress_bar() -> Iterator[ProgressCallback]:
         def show(state: Progress) -> bool:
             signals.turn(on=state.bad is not None)  # only a filter that has a best so far can be asked to keep it
             bad = "" if state.bad is None else f"{state.bad} bad"
+            if state.expected is not None:
+                bad += f", about {state.expected} tets"
             new = bar.tasks[task].description != state.stage  # shown at once, however short the stage is
             bar.update(task, description=state.stage, completed=state.done, bad=bad, refresh=new)
             if signals.asked:

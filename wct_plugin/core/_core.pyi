@@ -235,6 +235,7 @@ def resample(
     progress: Callable[[float, int], Any] | None = None,
     gap: float = 1.0,
     flat: float = 0.0,
+    expected: Callable[[float], Any] | None = None,
     threads: int = 0,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
@@ -249,7 +250,8 @@ def resample(
     of each; they stay, but for those within ``anew_radius`` (z,) of ``anew_at`` (z, 3), and what is beside moves.
     ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may be, in widths
     of the gap. ``flat``, a length: as far off a plane or line vertices may be that count as on it, if that is more than
-    1e-9 of its extent.
+    1e-9 of its extent. ``expected(tets)`` hears about how many tets there will be, before any is made, but for a mesh
+    made anew in places; it returns False to give up, without a tet.
 
     The label of a corner is its surface point. The same input and seed give the same bits.
     """
@@ -360,6 +362,7 @@ def search_well_centered(
     worth: float = ...,
     flat: float = 0.0,
     volumes: NDArray[np.float64] | None = None,
+    most_tets: int | None = None,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -386,6 +389,7 @@ def search_well_centered(
     patches with curved rims keep their area so too.
 
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
+    ``most_tets``: what the mesh may grow to.
     """
 
 def closest_points(

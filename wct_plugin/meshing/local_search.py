@@ -15,6 +15,7 @@ from wct_plugin.meshing.released_creases import without
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
 from wct_plugin.meshing.search_mesh import SearchMesh, from_search
 from wct_plugin.meshing.stitching import stitched
+from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.obstructions import fixed_facets
 from wct_plugin.types import Floats, Ints
 
@@ -46,6 +47,7 @@ class LocalSearch:
     effort: int
     seed: int
     listen: Listener
+    limit: TetLimit
 
     @property
     def worth(self) -> float:
@@ -62,6 +64,7 @@ class LocalSearch:
             worth=worth,
             flat=on.flat,
             volumes=_volumes(on) if self.boundary == "move" else None,
+            most_tets=self.limit.most,
             surface_points=on.points,
             surface_triangles=on.strata.triangles,
             surface_patch=on.strata.patch,
@@ -89,7 +92,7 @@ class LocalSearch:
     ) -> SearchMesh | None:
         """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain.
 
-        None too where it is stopped: what is made until then is no start.
+        None too where it is stopped, as what is made until then is no start, and where it has too many tets.
         """
         if self.listen.stopped:
             return None
@@ -118,8 +121,9 @@ class LocalSearch:
             cosines=self.acute,
             seed=self.seed + 1 + attempt,
             progress=self.listen.resample,
+            expected=self.limit.expect,
         )
-        if self.listen.stopped:
+        if self.listen.stopped or not self.limit.takes(len(found["tets"])):
             return None
         stratum = found["stratum"]
         pinned = (stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)
@@ -136,7 +140,8 @@ class LocalSearch:
             "crease_curve": found["crease_curve"],
         }
         if restart is not None:
-            return stitched(start, found["lost"], restart.old)
+            again = stitched(start, found["lost"], restart.old)
+            return again if again is not None and self.limit.takes(len(again["tets"])) else None
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
         if not found["intact"] or (stratum[touching] < 3).any():
             return None

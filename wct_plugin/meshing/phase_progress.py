@@ -9,10 +9,16 @@ class Listener:
     def __init__(self, progress: ProgressCallback, bad: int) -> None:
         self._progress = progress
         self._bad = bad
+        self._expected: int | None = None
         self.stopped = not self._tell("resampling", 0.0)
 
     def _tell(self, stage: str, done: float) -> bool:
-        return self._progress(Progress(stage, done, self._bad)) is not False
+        return self._progress(Progress(stage, done, self._bad, self._expected)) is not False
+
+    def expect(self, tets: int) -> bool:
+        """About how many tets the new mesh will have."""
+        self._expected = tets
+        return self.resample(0.0, 0)
 
     def resample(self, done: float, bad: int) -> bool:
         """Until the search takes the new mesh over, the best so far is the input."""

@@ -30,16 +30,23 @@ class Goal:
     tets: int
     missed: int
     valid: bool  #: no two tets overlap
+    most: int | None = None  #: tets allowed
     losses: tuple[str, ...] = ()  #: what of the domain was not kept
     stopped: bool = False  #: the work was cut short
 
     @property
     def met(self) -> bool:
-        """Whether every tet meets the goal, in a valid mesh, and all of the domain was kept."""
-        return self.valid and not self.missed and not self.losses
+        """Whether every tet meets the goal, in a valid mesh of no more tets than allowed, and the domain was kept."""
+        return self.valid and not self.missed and not self.losses and not self._beyond
+
+    @property
+    def _beyond(self) -> bool:
+        return self.most is not None and self.tets > self.most
 
     def __str__(self) -> str:
         said = ["tets overlap"] if not self.valid else []
+        if self._beyond:
+            said.append(f"{self.tets} tets, {self.most} are allowed")
         said.append(
             f"{self.missed} of {self.tets} tets miss the goal {self.goal}"
             if self.missed
@@ -74,9 +81,10 @@ class StageResult:
         if goal is None or not isinstance(mesh, TetMesh):
             return None
         missing = misses(mesh, quality.measure(mesh), goal)
+        most = getattr(self.stage.options, "max_tets", None)
         losses = tuple(loss["text"] for loss in self.metrics.get("losses", ()))
-        stopped = bool(self.metrics.get("stopped"))
-        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), overlap(mesh) is None, losses, stopped)
+        stopped, valid = bool(self.metrics.get("stopped")), overlap(mesh) is None
+        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), valid, most, losses, stopped)
 
 
 @dataclass(frozen=True, eq=False)

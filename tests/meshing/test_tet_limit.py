@@ -1,0 +1,87 @@
+"""At most so many tets, and how many are expected before there are any."""
+
+import pytest
+from support.builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape
+from support.searching import arguments
+
+import wct_plugin as wct
+from wct_plugin.core import _core
+from wct_plugin.errors import WctWarning
+
+
+def run(mesh, **options):
+    return wct.apply_filter("meshing_well_centered", mesh, **options)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "options"),
+    [
+        (kuhn_cube(4), {"edge_length": 0.12}),
+        (l_shape(3), {"edge_length": 0.2}),
+        (ball(4), {"edge_length": 0.2}),
+        (cylinder(16, 6), {"edge_length": 0.2}),
+    ],
+    ids=["cube", "l", "ball", "cylinder"],
+)
+def test_as_many_tets_as_expected(mesh, options):
+    heard = []
+    better, metrics = run(mesh, goal="3wc", progress=lambda state: heard.append(state.expected), **options)
+    assert len(better.tets) == pytest.approx(metrics["estimate"], rel=0.15)
+    assert heard[0] is None  # nothing is known yet
+    assert set(heard[2:]) == {metrics["estimate"]}
+
+
+@pytest.mark.filterwarnings("ignore::wct_plugin.errors.WctWarning")
+@pytest.mark.parametrize("share", [0.6, 0.97, 1.0, 1.05])
+@pytest.mark.parametrize("mesh", [jittered_cube(4), ball(4)], ids=["cube", "ball"])
+def test_there_are_never_more_than_allowed(mesh, share):
+    most = int(share * len(mesh.tets))
+    better, metrics = run(mesh, goal="3wc", max_tets=most)
+    if share >= 1.0:
+        assert len(better.tets) <= most
+    assert len(better.tets) <= most or better is mesh  # which is nobody's to thin out
+    result = wct.Filter.meshing_well_centered(goal="3wc", max_tets=most)
+    goal = (wct.Pipeline() | result).apply(mesh).goals[0]
+    assert goal.met == (metrics["bad"] == 0 and len(better.tets) <= most)
+    assert ("are allowed" in str(goal)) == (len(better.tets) > most)
+
+
+@pytest.mark.filterwarnings("ignore::wct_plugin.errors.WctWarning")
+def test_starts_made_anew_where_it_is_stuck_keep_to_the_limit(monkeypatch):
+    search, given = _core.search_well_centered, []
+
+    def stuck(**arrays):
+        given.append(len(arrays["tets"]))
+        found = search(**{**arrays, "passes": 0, "kicks": 0})
+        assert len(found["tets"]) <= most
+        return found
+
+    mesh = kuhn_cube(4)
+    most = 10**6
+    monkeypatch.setattr(_core, "search_well_centered", stuck)
+    run(mesh, edge_length=0.2)
+    free, most = given[:], given[0] + 1
+    given.clear()
+    better, _ = run(mesh, edge_length=0.2, max_tets=most)
+    assert max(free) > most
+    assert len(given) > 1
+    assert max(given) <= most
+    assert len(better.tets) <= most
+
+
+def test_the_search_adds_no_tets_beyond_the_limit():
+    mesh = jittered_cube(4)
+    for most in (len(mesh.tets), len(mesh.tets) + 7):
+        found = _core.search_well_centered(
+            **arguments(mesh), tolerance=1e-3, acute=True, margin=0.02, flip_surface=True, split_surface=True, passes=3,
+            kicks=50, seed=0, most_tets=most,
+        )  # fmt: skip
+        assert len(found["tets"]) <= most
+
+
+def test_a_start_that_is_far_too_large_is_not_even_begun():
+    mesh = jittered_cube(3)
+    with pytest.warns(WctWarning, match="a start of about 1[0-9] 000 000 000 000 tets was not taken, as option"):
+        better, metrics = run(mesh, edge_length=1e-4, max_tets=5000)
+    assert len(better.tets) <= 5000
+    assert metrics["estimate"] == pytest.approx(12 * 1.1**3 / 1e-12, rel=0.3)
