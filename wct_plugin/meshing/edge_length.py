@@ -1,34 +1,43 @@
-"""The option of a wanted edge length: one number, one per point, or the name of a field of the mesh."""
+"""The option of a wanted edge length: one number, one per point, the name of a field of the mesh, or one per group."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from wct_plugin.errors import OptionError
 from wct_plugin.mesh import TetMesh
+from wct_plugin.meshing import per_group
+from wct_plugin.meshing.grouped_lengths import lengths_of_groups
 from wct_plugin.types import Floats
 
-EdgeLength = float | str | Floats | None
+EdgeLength = float | str | dict[str, float] | Floats | None
+
+_KINDS = "must be a number, an array of one per point, the name of point data, or a number per region or group"
 
 
 def parse(value: Any) -> EdgeLength:
-    """Check what can be checked without the mesh; the command line gives numbers as text.
+    """Check what can be checked without the mesh; the command line gives numbers and mappings as text.
 
-    Raises :class:`ValueError`, naming index and value where one of many is wrong.
+    Raises :class:`ValueError`, naming index or group and value where one of many is wrong.
     """
     if value is None:
         return None
     if isinstance(value, str):
+        if "=" in value:
+            return _per_group(per_group.parse(value))
         try:
             value = float(value)
         except ValueError:
             return str(value)
+    if isinstance(value, Mapping):
+        return _per_group(value)
     try:
         lengths = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError("must be a number, an array of one per point, or the name of point data") from None
+        raise ValueError(_KINDS) from None
     if isinstance(value, bool) or lengths.ndim > 1:
-        raise ValueError("must be a number, an array of one per point, or the name of point data")
+        raise ValueError(_KINDS)
     if lengths.ndim == 0:
         if not 0 < lengths < np.inf:
             raise ValueError("input should be greater than 0 and finite")
@@ -41,12 +50,15 @@ def parse(value: Any) -> EdgeLength:
 def at_points(wanted: EdgeLength, mesh: TetMesh) -> Floats | None:
     """(n,) the wanted length at each point of the mesh, None where none is wanted.
 
-    Raises :class:`OptionError` for an array of another length and for a field that is missing or has no use as lengths.
+    Raises :class:`OptionError` for an array of another length, for a field that is missing or has no use as lengths,
+    and for a group that the mesh has not.
     """
     if wanted is None:
         return None
     if isinstance(wanted, float):
         return np.full(len(mesh.points), wanted)
+    if isinstance(wanted, dict):
+        return lengths_of_groups(wanted, mesh)
     what = "option 'edge_length'"
     if isinstance(wanted, str):
         if wanted not in mesh.point_data:
@@ -64,6 +76,21 @@ def at_points(wanted: EdgeLength, mesh: TetMesh) -> Floats | None:
     except ValueError as error:
         raise OptionError(f"{what} {error}") from None
     return wanted
+
+
+def _per_group(given: Mapping[Any, Any]) -> dict[str, float]:
+    if not given:
+        raise ValueError("names no region or group")
+    found = {}
+    for name, value in given.items():
+        try:
+            length = np.nan if isinstance(value, bool) else float(value)
+        except (TypeError, ValueError):
+            length = np.nan
+        if not 0 < length < np.inf:
+            raise ValueError(f"says {value!r} of {name!r}; a number greater than 0 and finite is needed")
+        found[str(name)] = length
+    return found
 
 
 def _check(lengths: Floats) -> None:

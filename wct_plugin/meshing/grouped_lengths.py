@@ -1,0 +1,86 @@
+"""Edge lengths given per region or group of facets, as one length per point of the mesh."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from wct_plugin.errors import OptionError
+from wct_plugin.mesh import TetMesh
+from wct_plugin.meshing import per_group
+from wct_plugin.types import Bools, Floats
+
+#: Edge length per cell of a body-centered cubic lattice, and how often lengths are averaged with their neighbours', as
+#: the core has it.
+_EDGE_PER_CELL = 1.05
+_AVERAGED = 4
+
+
+def lengths_of_groups(wanted: Mapping[str, float], mesh: TetMesh) -> Floats:
+    """(n,) the length wanted at each point: the smallest of those of the groups that the point belongs to.
+
+    What is said of the rest, or else the mesh's own length there, holds at points of tets that no named region has, but
+    for those of named groups of facets. Raises :class:`OptionError` for a name that the mesh has not.
+    """
+    regions, facets = _regions(mesh), _facets(mesh)
+    lengths = np.full(len(mesh.points), np.inf)
+    named = np.zeros(len(mesh.tets), dtype=bool)
+    on_group = np.zeros(len(mesh.points), dtype=bool)
+    for name, length in wanted.items():
+        if name == per_group.REST:
+            continue
+        if name in regions:
+            named |= regions[name]
+            points = mesh.tets[regions[name]].ravel()
+        elif name in facets:
+            points = mesh.facets.vertices[facets[name]].ravel()
+            on_group[points] = True
+        else:
+            known = ", ".join(map(repr, dict.fromkeys([*regions, *facets])))
+            raise OptionError(
+                f"option 'edge_length' names {name!r}, which is no region or group of facets of"
+                f" {mesh.source or 'the mesh'} (there: {known})"
+            )
+        lengths[points] = np.minimum(lengths[points], length)
+    rest = np.zeros(len(mesh.points), dtype=bool)
+    rest[mesh.tets[~named]] = True
+    rest &= ~on_group
+    others = wanted[per_group.REST] if per_group.REST in wanted else own_lengths(mesh)
+    return np.where(rest, np.minimum(lengths, others), lengths)
+
+
+def own_lengths(mesh: TetMesh) -> Floats:
+    """(n,) edge of the lattice that has as many tets per volume as there are round each point, smoothed."""
+    a, b, c, d = np.moveaxis(mesh.points[mesh.tets], 1, 0)
+    volume = np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)) / 6.0
+    corners, count = mesh.tets.ravel(), len(mesh.points)
+    around = np.bincount(corners, np.repeat(volume, 4), count) / np.bincount(corners, minlength=count)
+    lengths = np.log(_EDGE_PER_CELL * np.cbrt(12.0 * around))
+    i, k = mesh.topology.edges.T
+    many = 1.0 + np.bincount(i, minlength=count) + np.bincount(k, minlength=count)
+    for _ in range(_AVERAGED):
+        lengths = (lengths + np.bincount(i, lengths[k], count) + np.bincount(k, lengths[i], count)) / many
+    found: Floats = np.exp(lengths)
+    return found
+
+
+def _regions(mesh: TetMesh) -> dict[str, Bools]:
+    """Tets of each region, by its name, a set's name or its tag as text."""
+    sets = {}
+    for name, members in mesh.tet_sets.items():
+        sets[name] = np.zeros(len(mesh.tets), dtype=bool)
+        sets[name][members] = True
+    tags = {str(tag): mesh.regions == tag for tag in np.unique(mesh.regions).tolist()}
+    named = {name: mesh.regions == tag for name, (tag, dimension) in mesh.names.items() if dimension == 3}
+    return {**tags, **sets, **named}
+
+
+def _facets(mesh: TetMesh) -> dict[str, Bools]:
+    """Tagged facets of each group, in the same way."""
+    facets = mesh.facets
+    sets = {}
+    for name, members in facets.sets.items():
+        sets[name] = np.zeros(len(facets), dtype=bool)
+        sets[name][members] = True
+    tags = {str(tag): facets.tags == tag for tag in np.unique(facets.tags).tolist()}
+    named = {name: facets.tags == tag for name, (tag, dimension) in mesh.names.items() if dimension == 2}
+    return {**tags, **sets, **named}
