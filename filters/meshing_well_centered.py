@@ -32,6 +32,7 @@ from wct_plugin.meshing import conforming, edge_length, planes, search_mesh
 from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.followed_surface import enclosed_volumes, stretch
 from wct_plugin.meshing.local_search import LocalSearch, ranked
+from wct_plugin.meshing.local_tolerance import Tolerance, find_tolerance
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.reference_choice import choose
@@ -65,6 +66,9 @@ class MeshingOptions(Options):
         le=0.1,
         description="Greatest distance from the reference, both ways, as a fraction of the diagonal"
         " (none: 1e-3, or the sag of the reference's own facets if larger)",
+    )
+    local_tolerance: bool = Field(
+        True, description="Locally never more than a tenth of the wall, gap or radius there, nor less than a quarter"
     )
     reference: SkipJsonSchema[SurfaceMesh] | str | None = Field(
         None, description="Surface to stay near, or its file (none: the surface read at the start, or the own boundary)"
@@ -176,7 +180,12 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         result = self._judge(mesh, own, better, found, followed, tolerance)
-        return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
+        return better, {
+            **result,
+            **found.work,
+            "tolerance": tolerance / (surface or mesh).diagonal,
+            "default_tolerance": self.options.tolerance is None,
+        }
 
     def _well_center(
         self,
@@ -215,13 +224,15 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 stacklevel=3,
             )
             held -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
+        within = self._within(reference, own, surface, held)
+        least = within.least(reference, diagonal, math.ldexp(1.0, unit))
         measured = quality.measure(mesh)
         bad = self._bad(mesh, measured)
-        within = options.max_tets is None or len(mesh.tets) <= options.max_tets
-        asked = wanted is not None or options.force or not within
+        few_enough = options.max_tets is None or len(mesh.tets) <= options.max_tets
+        asked = wanted is not None or options.force or not few_enough
         if not bad and not asked and _follows(mesh, own, reference, tolerance):
             none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
-            none |= {"planes": plane, "estimate": None, "released": _no_crease(own)}
+            none |= {"planes": plane, "local_tolerance": least, "estimate": None, "released": _no_crease(own)}
             return _Found(mesh, measured, tolerance, none, reference)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
@@ -232,16 +243,20 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         )
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
-            fresh = search.resampled(reference, held, wanted)
+            fresh = search.resampled(reference, within, wanted)
         if fresh is not None:
-            tried = search.run_finer(fresh, reference, held, wanted)
+            tried = search.run_finer(fresh, reference, within, wanted)
         else:
+            if reference is not own:
+                within = self._within(own, own, None, held)
+                least = within.least(own, diagonal, math.ldexp(1.0, unit))
             reference = own
             start = self._own_start(straight, own, wanted, listen, limit)
             stays = listen.stopped or not limit.takes(len(start["tets"]))
-            tried = [] if stays else [search.run(start, own, held, np.inf if moves else search.worth)]
+            tried = [] if stays else [search.run(start, own, within, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         work |= {"stopped": listen.stopped, "kept": False, "planes": plane, "estimate": limit.expected}
+        work["local_tolerance"] = least
         if not tried:  # stopped before there was any other mesh, or none has few enough tets
             work["released"] = _no_crease(own)
             limit.warn(missed=bad > 0 or asked)
@@ -260,7 +275,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         listen.measure(found["bad"] if found else bad)
         after = quality.measure(better)
         gain = bad * len(after) - self._bad(better, after) * len(measured)
-        if within and (gain < 0 or (gain == 0 and listen.stopped)):  # the output is never worse
+        if few_enough and (gain < 0 or (gain == 0 and listen.stopped)):  # the output is never worse
             better, after = mesh, measured
             if not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
@@ -288,6 +303,13 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             if measure_deviation(new.boundary_surface(), surface, compiled=True).max > allowed:
                 return "the new mesh is not near the surface yet"
         return ""
+
+    def _within(self, on: Reference, own: Reference, surface: SurfaceMesh | None, held: float) -> Tolerance:
+        """The tolerance place by place; where the mesh is off the surface already, no less than that."""
+        if not self.options.local_tolerance or self.options.boundary == "fixed":
+            return Tolerance(held)
+        apart = gap(own, surface, held) if surface is not None and on is not own else 0.0
+        return find_tolerance(on, held, apart)
 
     def _share(self, start: SearchMesh) -> float:
         """Of the tets that miss the goal in a start of the search."""

@@ -160,7 +160,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
                          const std::optional<Array> &kept_stratum, const std::optional<Array> &kept_label,
                          const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius, bool cosines,
                          std::uint64_t seed, const nb::object &progress, double gap, double flat,
-                         const nb::object &expected, unsigned threads) {
+                         const nb::object &expected, unsigned threads, const std::optional<Array> &local) {
     trim();
     domain::SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
@@ -183,6 +183,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     sampling::ResampleOptions options;
     options.sizing.gap = gap;
     options.sizing.tolerance = tolerance;
+    if (local)
+        options.sizing.local = sizes_of(*local, surface.points.size(), "local_tolerance");
     options.sizing.limits = limits_of(finer_at, finer_size);
     options.cosines = cosines;
     options.seed = seed;
@@ -218,14 +220,16 @@ void bind_resample(nb::module_ &m) {
         nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
         nb::arg("anew_radius") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
         nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap, nb::arg("flat") = 0.0,
-        nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
+        nb::arg("expected") = nb::none(), nb::arg("threads") = 0, nb::arg("local_tolerance") = nb::none(),
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
         "(s,), corners (c,), sides (patches, 2): the region behind a patch's triangles and the one before, -1 "
         "outside.\n"
         "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
-        "mesh and surface, in the mesh's unit. size: wanted edge length per mesh point, default the mesh's own local\n"
+        "mesh and surface, in the mesh's unit. local_tolerance: the same per\n"
+        "surface point, where it is less in places. size: wanted edge length per mesh point, default the mesh's own "
+        "local\n"
         "one. folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
         "(k,): edges are no longer than this round these places.\n"
         "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"

@@ -173,7 +173,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
                               const nb::object &progress, const std::optional<Array> &ruled_out,
                               const std::optional<Array> &loose, double worth, double flat,
-                              const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets) {
+                              const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets,
+                              const std::optional<Array> &local_tolerance) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -235,6 +236,9 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     if (!(worth >= 0.0))
         refuse("worth is " + std::to_string(worth) + "; it may not be negative");
 
+    const std::vector<double> local =
+        local_tolerance ? sizes_of(*local_tolerance, on.size(), "local_tolerance") : std::vector<double>{};
+
     search::TetComplex complex;
     const auto needle = search::needle_cosines(at, cells, region, edges);
     for (std::size_t v = 0; v < at.size(); ++v) {
@@ -264,7 +268,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     if (volumes)
         options.volumes = sizes_of(
             *volumes, static_cast<std::size_t>(*std::max_element(region.begin(), region.end())) + 1, "volumes");
-    search::CreaseRelease search(complex, {on, triangles, patch, segments, curve, may_go, flat}, tolerance,
+    search::CreaseRelease search(complex, {on, triangles, patch, segments, curve, may_go, flat, local}, tolerance,
                                  0.125 * mean_size(wanted, role));
     search::SearchOutcome outcome;
     {
@@ -287,7 +291,7 @@ void bind_search(nb::module_ &m) {
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
           nb::arg("ruled_out") = nb::none(), nb::arg("loose") = nb::none(),
           nb::arg("worth") = std::numeric_limits<double>::infinity(), nb::arg("flat") = 0.0,
-          nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none());
+          nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none(), nb::arg("local_tolerance") = nb::none());
 }
 
 } // namespace wct::bindings

@@ -1,8 +1,9 @@
 #include "domain/sizing.h"
 
+#include "domain/limit_gradient.h"
+
 #include <algorithm>
 #include <cmath>
-#include <queue>
 #include <tuple>
 #include <utility>
 
@@ -11,43 +12,6 @@ namespace wct::domain {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Lower `size` until it grows no faster than `grade` along the edges.
-void limit_gradient(std::vector<double> &size, std::span<const Vec3> points,
-                    const std::vector<std::vector<int>> &around, double grade) {
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    for (std::size_t v = 0; v < size.size(); ++v)
-        queue.emplace(size[v], static_cast<int>(v));
-    while (!queue.empty()) {
-        const auto [value, v] = queue.top();
-        queue.pop();
-        if (value > size[v])
-            continue;
-        for (const int w : around[v]) {
-            const double limit = value + grade * norm(points[w] - points[v]);
-            if (limit < size[w]) {
-                size[w] = limit;
-                queue.emplace(limit, w);
-            }
-        }
-    }
-}
-
-template <std::size_t n>
-std::vector<std::vector<int>> neighbours(const std::vector<std::array<int, n>> &cells, std::size_t count) {
-    std::vector<std::vector<int>> around(count);
-    for (const auto &cell : cells)
-        for (const int v : cell)
-            for (const int w : cell)
-                if (v != w)
-                    around[v].push_back(w);
-    for (auto &list : around) {
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
-    return around;
-}
 
 } // namespace
 
@@ -149,7 +113,7 @@ void Sizing::limit_by_places() {
 void Sizing::limit_by_curvature() {
     const auto lower = [&](int vertex, double sag) {
         if (sag > 0.0)
-            surface[vertex] = std::min(surface[vertex], std::sqrt(form_.sag * form_.tolerance / sag));
+            surface[vertex] = std::min(surface[vertex], std::sqrt(form_.sag * form_.tolerance_at(vertex) / sag));
     };
     for (int w = 0; w < reference_.wedges(); ++w)
         lower(reference_.wedge_vertex(w), unit_sag(reference_.curvature(w)[0], reference_.curvature(w)[1]));
@@ -175,7 +139,6 @@ void Sizing::limit_by_bends() {
         }
     std::sort(sides.begin(), sides.end(),
               [](const Side &a, const Side &b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });
-    const double deep = form_.sag * form_.tolerance;
     for (std::size_t s = 1; s < sides.size(); ++s) {
         const int t = sides[s - 1].triangle, u = sides[s].triangle;
         // Triangles of an interface or a sheet inside may run either way.
@@ -184,13 +147,15 @@ void Sizing::limit_by_bends() {
         if (sides[s].ends != sides[s - 1].ends || cosine > bent)
             continue;
         const int v = reference_.wedge_vertex(sides[s].ends[0]), w = reference_.wedge_vertex(sides[s].ends[1]);
+        const double tolerance = std::min(form_.tolerance_at(v), form_.tolerance_at(w));
+        const double deep = form_.sag * tolerance;
         const double base = norm(data.points[w] - data.points[v]);
         const double height = 2.0 * std::min(reference_.area(t), reference_.area(u)) / base;
         const double half_sine = std::sqrt(0.5 * (1.0 - cosine)), half_cosine = std::sqrt(0.5 * (1.0 + cosine));
         if (!(height * half_sine > deep)) // noise: nothing there is too deep
             continue;
         // A facet's edge of length l is l / 2 tan(bend / 2) deep at most, and half of that where it crosses by chance.
-        const double most = std::max(4.0 * deep * half_cosine / half_sine, shortest * form_.tolerance);
+        const double most = std::max(4.0 * deep * half_cosine / half_sine, shortest * tolerance);
         surface[v] = std::min(surface[v], most);
         surface[w] = std::min(surface[w], most);
     }
@@ -202,9 +167,9 @@ void Sizing::limit_by_creases() {
         double length = 0.0;
         for (int k = 0; k < curve.steps(); ++k)
             length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
-        const double most = std::max(length / curve.least_edges(), form_.narrowest * form_.tolerance);
         for (const int v : curve.vertices)
-            surface[v] = std::min(surface[v], most);
+            surface[v] =
+                std::min(surface[v], std::max(length / curve.least_edges(), form_.narrowest * form_.tolerance_at(v)));
     }
 }
 
@@ -253,7 +218,8 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
         }
         std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
         std::nth_element(walls.begin(), walls.begin() + 3, walls.end());
-        const double narrow = std::max(hits[3], form_.narrowest * form_.tolerance) * form_.gap / form_.thickness;
+        const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
+        const double narrow = std::max(hits[3], form_.narrowest * tolerance) * form_.gap / form_.thickness;
         thin = std::min(thin, outside ? narrow : hits[3]);
         if (!outside)
             inside = std::min(inside, walls[3]);
@@ -332,6 +298,16 @@ void Sizing::grade() {
     }
     least_ = reference_.tree().smallest(sizes);
     least_from_ = reference_.tree().smallest(from);
+}
+
+double SizingForm::least_at(int patch, const Reference &reference) const {
+    double least = tolerance;
+    const SurfaceData &data = reference.data();
+    for (std::size_t t = 0; t < data.triangles.size() && !local.empty(); ++t)
+        if (data.patch[t] == patch)
+            for (const int v : data.triangles[t])
+                least = std::min(least, local[v]);
+    return least;
 }
 
 double Sizing::input_size(const Vec3 &p) const {

@@ -17,12 +17,17 @@ struct SizeLimit {
 };
 
 struct SizingForm {
-    double tolerance = 0.0; // greatest distance between mesh and surface, in the mesh's unit
-    double thickness = 0.8; // size per local thickness
-    double gap = 1.0;       // size per distance to the other side of a gap outside
-    bool sharp = true;      // shorter edges along sharp edges
-    double coarsen = 1.0;   // how far inside sizes may exceed the input's own
+    double tolerance = 0.0;    // greatest distance between mesh and surface, in the mesh's unit
+    std::vector<double> local; // the same per point of the surface, where it is less in places; empty: it is not
+    double thickness = 0.8;    // size per local thickness
+    double gap = 1.0;          // size per distance to the other side of a gap outside
+    bool sharp = true;         // shorter edges along sharp edges
+    double coarsen = 1.0;      // how far inside sizes may exceed the input's own
     std::vector<SizeLimit> limits;
+
+    /// The least of a patch.
+    double least_at(int patch, const Reference &reference) const;
+    double tolerance_at(int vertex) const { return local.empty() ? tolerance : local[vertex]; }
 
     static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
     /// Gap, and crease, that is told apart by sizes, in tolerances: in folds gaps go to nothing.

@@ -22,10 +22,10 @@ namespace {
 /// Where vertices sit over curved patches and creases: outside of the bend, so that chords run on both sides of it.
 void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, const ResampleOptions &options,
                  const std::vector<double> &correction) {
-    const double most = options.shell * options.sizing.tolerance;
     for (int w = 0; w < reference.wedges(); ++w) {
         const auto &k = reference.curvature(w);
         const double size = sizing.surface[reference.wedge_vertex(w)];
+        const double most = options.shell * options.sizing.tolerance_at(reference.wedge_vertex(w));
         // (k1 + k2) size^2 / 16 is the mean sag of an equilateral facet, and keeps the volume; half of what an
         // irregular one may sag centers it in the tolerance.
         const double mean = k[0] + k[1];
@@ -38,6 +38,7 @@ void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, con
     for (domain::Curve &curve : reference.curves()) {
         for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
             const double size = sizing.surface[curve.vertices[k]];
+            const double most = options.shell * options.sizing.tolerance_at(curve.vertices[k]);
             const Vec3 shift = (-1.33 * options.offset * size * size / 16.0) * curve.bend[k];
             const double far = norm(shift);
             curve.shift[k] = far > most ? (most / far) * shift : shift;
@@ -52,8 +53,8 @@ void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, con
 /// the start, where they were shrunk too much.
 void learn(const Deviation &deviation, domain::Sizing &sizing, std::vector<double> &correction,
            const std::vector<double> &ceiling, const ResampleOptions &options) {
-    const double tolerance = options.sizing.tolerance;
     for (std::size_t v = 0; v < correction.size(); ++v) {
+        const double tolerance = options.sizing.tolerance_at(static_cast<int>(v));
         const double up = deviation.above[v];
         const double down = deviation.below[v];
         // Offsets keep the volume as they are; only what leaves the tolerance is a reason to shift them.
@@ -68,8 +69,8 @@ void learn(const Deviation &deviation, domain::Sizing &sizing, std::vector<doubl
 
 /// Shrink sizes where facets are off the tolerance, or nearly: the local search mends few of them, and slowly.
 void shrink(const Deviation &deviation, domain::Sizing &sizing, const ResampleOptions &options) {
-    const double tolerance = options.sizing.tolerance;
     for (std::size_t v = 0; v < sizing.surface.size(); ++v) {
+        const double tolerance = options.sizing.tolerance_at(static_cast<int>(v));
         const double far = std::max({deviation.above[v], -deviation.below[v], deviation.missed[v]});
         if (far > options.held * tolerance)
             sizing.surface[v] *= std::max(std::sqrt(options.target * tolerance / far), 0.7);
@@ -203,11 +204,12 @@ std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &com
 /// Ends of crease edges that are missing beside planes that are kept exactly. Vertices are kept there by their labels,
 /// and facets by the creases between them: past a gap, facets would get from one plane to the next.
 std::vector<int> open_creases(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
-                              double tolerance) {
+                              const domain::SizingForm &sizing) {
     std::vector<int> ends;
     for (const CreaseGap &gap : crease_gaps(cloud, reference, complex)) {
         const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
-        if (std::any_of(patches.begin(), patches.end(), [&](int p) { return reference.keeps(p, tolerance); }))
+        if (std::any_of(patches.begin(), patches.end(),
+                        [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); }))
             ends.insert(ends.end(), {gap.first, gap.second});
     }
     return ends;
@@ -215,9 +217,9 @@ std::vector<int> open_creases(const Cloud &cloud, const RestrictedDelaunay &comp
 
 /// Points where planes are not represented.
 std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
-                             double tolerance) {
-    std::vector<int> lost = across_planes(cloud, complex, reference, tolerance);
-    const std::vector<int> open = open_creases(cloud, complex, reference, tolerance);
+                             const domain::SizingForm &sizing) {
+    std::vector<int> lost = across_planes(cloud, complex, reference, sizing.tolerance);
+    const std::vector<int> open = open_creases(cloud, complex, reference, sizing);
     lost.insert(lost.end(), open.begin(), open.end());
     return lost;
 }
@@ -364,7 +366,7 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
     const double tolerance = options.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const RestrictedDelaunay &complex, const Flaws &flaws) {
-        return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, tolerance).empty() &&
+        return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, options.sizing).empty() &&
                geometry::euler_characteristics(complex.all.tets, complex.region) == euler;
     };
     std::vector<Vec3> direction;
@@ -421,7 +423,7 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     const int attempts =
         renewal ? 0 : options.attempts; // where it kept to the old mesh, that may be sound all the same
     for (int attempt = 0; attempt < attempts && found && !found->intact && !monitor.stopped(); ++attempt) {
-        const std::vector<int> lost = lost_planes(found->cloud, found->complex, reference, tolerance);
+        const std::vector<int> lost = lost_planes(found->cloud, found->complex, reference, options.sizing);
         found->touched.insert(found->touched.end(), lost.begin(), lost.end());
         refine(found->cloud, found->touched, reference, sizing);
         std::optional<Start> next = run();
@@ -445,7 +447,7 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     result.stats.emplace_back("off", static_cast<double>(best.off));
     if (!best.intact) {
         result.lost = lost_points(best.cloud, best.flaws);
-        const std::vector<int> planes = lost_planes(best.cloud, best.complex, reference, tolerance);
+        const std::vector<int> planes = lost_planes(best.cloud, best.complex, reference, options.sizing);
         result.lost.insert(result.lost.end(), planes.begin(), planes.end());
     }
     result.cloud = std::move(best.cloud);

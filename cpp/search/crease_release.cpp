@@ -28,9 +28,9 @@ SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgr
     SearchOutcome sum;
     SearchOptions now = options;
     for (bool more = true;; ++now.seed) {
-        const SurfaceGuide guide(
-            {surface_.points, surface_.triangles, surface_.patch, surface_.segments, surface_.curve, surface_.flat},
-            tolerance_, spacing_);
+        const SurfaceGuide guide({surface_.points, surface_.triangles, surface_.patch, surface_.segments,
+                                  surface_.curve, surface_.flat, surface_.local},
+                                 tolerance_, spacing_);
         const std::vector<std::uint8_t> may = releasable(guide);
         more = more && std::find(may.begin(), may.end(), 1) != may.end();
         now.hurry = more; // what creases hold up seldom comes right by waiting

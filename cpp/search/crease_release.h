@@ -13,6 +13,7 @@ struct LoosenedSurface {
     std::vector<int> curve;          // of each segment, from 0
     std::vector<std::uint8_t> loose; // by curve: a crease by its angle alone, which may be released
     double flat = 0.0;               // as of SurfaceGuide::Surface
+    std::vector<double> local;       // the same
 };
 
 /// The search, and the release of creases that hold it up.

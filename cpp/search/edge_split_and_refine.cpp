@@ -14,7 +14,7 @@ std::optional<Vec3> Operators::farthest(const Facet &key) const {
     const std::array<Vec3, 3> corners = complex_.corners(key);
     for (int l = complex_.facet(key).landmark; l >= 0; l = complex_.next_landmark(l)) {
         const Vec3 &point = guide_.landmarks()[l].point;
-        const double distance = norm(point - geometry::closest_on(corners, point));
+        const double distance = guide_.strict(l) * norm(point - geometry::closest_on(corners, point));
         if (distance > most) {
             most = distance;
             worst = point;

@@ -20,7 +20,6 @@ constexpr double kRim =
     0.9; // of creases beside a plane, in it: chords of a rim keep its area where their ends stand out
 constexpr geometry::NearAlong kAlong = {0.975, 0.985};
 constexpr double kInside = 0.93;
-constexpr double kCovered = 0.94; // landmarks: what is between them may be a little farther
 /// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
 constexpr double kBend = 0.99939;
 /// They are no farther apart than this share of the tolerance over the sine of half the bend, but no more than kParts
@@ -44,14 +43,38 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
     return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
 }
 
+/// The least tolerance at the corners of these segments or triangles.
+template <class Cells> double least_of(const SurfaceGuide::Surface &surface, const Cells &cells, double tolerance) {
+    for (const auto &cell : cells)
+        for (const int v : cell)
+            if (!surface.local.empty())
+                tolerance = std::min(tolerance, surface.local[v]);
+    return tolerance;
+}
+
+/// The least tolerance at the corners of each piece of a tree over these triangles, which orders them in its own way.
+std::vector<double> of_pieces(const SurfaceGuide::Surface &surface, const std::vector<Facet> &members,
+                              const std::vector<std::array<Vec3, 3>> &pieces) {
+    const auto key = [](const Vec3 &p) { return std::array{p.x, p.y, p.z}; };
+    std::map<std::array<double, 3>, double> at; // points in one place: the least of them
+    for (const Facet &f : members)
+        for (const int v : f) {
+            const auto [found, first] = at.try_emplace(key(surface.points[v]), surface.local[v]);
+            found->second = std::min(found->second, surface.local[v]);
+        }
+    std::vector<double> local;
+    for (const auto &[a, b, c] : pieces)
+        local.push_back(std::min({at.at(key(a)), at.at(key(b)), at.at(key(c))}));
+    return local;
+}
+
 } // namespace
 
-SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing)
-    : tolerance_(tolerance), covered_(kCovered * tolerance) {
+SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spacing) : tolerance_(tolerance) {
     geometry::Box box;
     for (const Vec3 &p : surface.points)
         box.add(p);
-    kept_ = geometry::kept_extent(box.diagonal(), tolerance);
+    diagonal_ = box.diagonal();
     make_patches(surface);
     make_curves(surface);
     make_corners(surface);
@@ -59,7 +82,7 @@ SurfaceGuide::SurfaceGuide(const Surface &surface, double tolerance, double spac
 }
 
 void SurfaceGuide::make_patches(const Surface &surface) {
-    const auto &[points, triangles, patch, segments, curve, flat] = surface;
+    const auto &[points, triangles, patch, segments, curve, flat, local] = surface;
     const int patches = patch.empty() ? 0 : *std::max_element(patch.begin(), patch.end()) + 1;
     std::vector<std::vector<Facet>> of_patch(patches);
     for (std::size_t k = 0; k < triangles.size(); ++k)
@@ -68,18 +91,21 @@ void SurfaceGuide::make_patches(const Surface &surface) {
         std::vector<std::array<Vec3, 3>> pieces;
         for (const Facet &f : members)
             pieces.push_back({points[f[0]], points[f[1]], points[f[2]]});
-        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}, 0.0};
+        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}, 0.0, {}};
         for (const Facet &f : members)
             one.area += 0.5 * norm(normal_of({points[f[0]], points[f[1]], points[f[2]]}));
+        const double least = least_of(surface, members, tolerance_);
+        if (least < tolerance_)
+            one.local = of_pieces(surface, members, one.tree.pieces());
         const auto [plane, extent, off] = geometry::plane_of(points, members);
         one.plane = plane;
-        one.planar = extent > kept_ && geometry::is_flat(off, extent, flat);
+        one.planar = extent > geometry::kept_extent(diagonal_, least) && geometry::is_flat(off, extent, flat);
         patches_.push_back(std::move(one));
     }
 }
 
 void SurfaceGuide::make_curves(const Surface &surface) {
-    const auto &[points, triangles, patch, segments, curve, flat] = surface;
+    const auto &[points, triangles, patch, segments, curve, flat, local] = surface;
     const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
     std::map<Edge, std::set<int>> planes; // planar patches at each edge
     std::set<Edge> curved;                // edges of the others
@@ -98,7 +124,8 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         std::vector<std::array<Vec3, 2>> pieces;
         for (const Edge &s : members)
             pieces.push_back({points[s[0]], points[s[1]]});
-        Curve one{geometry::BoundingTree<2>(std::move(pieces)), false, false, {}, {}, {}};
+        Curve one{geometry::BoundingTree<2>(std::move(pieces)), false, false, {}, {}, {}, 0.0};
+        one.tolerance = least_of(surface, members, tolerance_);
         Vec3 far = {};
         double extent = 0.0, off = 0.0;
         if (!members.empty())
@@ -117,7 +144,8 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         for (const Edge &s : members)
             std::erase_if(shared, [&](int p) { return !planes[sorted(s[0], s[1])].contains(p); });
         // Where two planes are kept, so is their line.
-        one.straight = (extent > kept_ || shared.size() > 1) && geometry::is_flat(off, extent, flat);
+        one.straight = (extent > geometry::kept_extent(diagonal_, one.tolerance) || shared.size() > 1) &&
+                       geometry::is_flat(off, extent, flat);
         one.bare = !one.straight && std::none_of(members.begin(), members.end(),
                                                  [&](const Edge &s) { return curved.contains(sorted(s[0], s[1])); });
         if (!shared.empty()) // a curved line has one plane
@@ -129,7 +157,8 @@ void SurfaceGuide::make_curves(const Surface &surface) {
 void SurfaceGuide::make_corners(const Surface &surface) {
     for (const Edge &s : surface.segments)
         for (int v : s)
-            corners_.emplace(v, surface.points[v]);
+            if (corners_.emplace(v, surface.points[v]).second && !surface.local.empty())
+                at_corners_.emplace(v, surface.local[v]);
     for (std::size_t k = 0; k < surface.segments.size(); ++k)
         if (curves_[surface.curve[k]].straight)
             for (int v : surface.segments[k])
@@ -141,7 +170,7 @@ void SurfaceGuide::make_corners(const Surface &surface) {
 }
 
 void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
-    const auto &[points, triangles, patch, segments, curve, flat] = surface;
+    const auto &[points, triangles, patch, segments, curve, flat, local] = surface;
     std::set<std::array<int, 2>> seen; // patch and vertex
     // By patch and edge: of the triangle seen first, as if it ran along the edge from the smaller end to the other.
     std::map<std::array<int, 3>, Vec3> normals;
@@ -152,7 +181,7 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
         const Vec3 normal = unit(normal_of({points[t[0]], points[t[1]], points[t[2]]}));
         for (int i = 0; i < 3; ++i) {
             if (seen.insert({patch[k], t[i]}).second)
-                landmarks_.push_back({points[t[i]], patch[k], false});
+                landmarks_.push_back({points[t[i]], patch[k], false, local.empty() ? tolerance_ : local[t[i]]});
             const Edge edge = sorted(t[i], t[(i + 1) % 3]);
             const Vec3 along = t[i] == edge[0] ? normal : -1.0 * normal;
             const auto [found, first] = normals.try_emplace({patch[k], edge[0], edge[1]}, along);
@@ -160,11 +189,13 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
             if (first || bend > kBend)
                 continue;
             // The sharper the bend, the faster the distance may grow between landmarks.
-            const double apart = std::min(spacing, kApart * tolerance_ / std::sqrt(0.5 * (1.0 - bend)));
+            const double tolerance = local.empty() ? tolerance_ : std::min(local[edge[0]], local[edge[1]]);
+            const double apart = std::min(spacing, kApart * tolerance / std::sqrt(0.5 * (1.0 - bend)));
             const Vec3 &a = points[edge[0]], &b = points[edge[1]];
             const int parts = std::min(kParts, static_cast<int>(std::ceil(norm(b - a) / apart)));
             for (int p = 1; p < parts; ++p)
-                landmarks_.push_back({a + (static_cast<double>(p) / parts) * (b - a), patch[k], p + 1 < parts});
+                landmarks_.push_back(
+                    {a + (static_cast<double>(p) / parts) * (b - a), patch[k], p + 1 < parts, tolerance});
         }
     }
 }
@@ -196,7 +227,13 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             left = {Freedom::Kind::plane, patch.plane.normal()};
             break;
         }
-        clamp(patch.tree, kShell * tolerance_);
+        if (patch.local.empty()) {
+            clamp(patch.tree, kShell * tolerance_);
+            break;
+        }
+        const auto found = patch.tree.closest(x, hint);
+        hint = found.piece;
+        pull_to(found.point, kShell * patch.local[found.piece]);
         break;
     }
     case Stratum::crease: {
@@ -210,14 +247,15 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
             x = curve.plane->nearest(x);
             left = {Freedom::Kind::plane, curve.plane->normal()};
         }
-        clamp(curve.tree, (curve.plane ? kRim : kTube) * tolerance_);
+        clamp(curve.tree, (curve.plane ? kRim : kTube) * curve.tolerance);
         break;
     }
     case Stratum::corner: {
         const auto home = corners_.find(vertex.label);
         if (home == corners_.end())
             return false;
-        pull_to(home->second, kTube * tolerance_);
+        const auto own = at_corners_.find(vertex.label);
+        pull_to(home->second, kTube * (own == at_corners_.end() ? tolerance_ : own->second));
         break;
     }
     }
@@ -229,7 +267,16 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
 bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
     const geometry::BoundingTree<3> &tree = patches_[patch].tree;
     const double inside = kInside * kInside * tolerance_ * tolerance_;
+    const std::vector<double> &local = patches_[patch].local;
+    double least = tolerance_; // of the samples so far
     const auto sample_near = [&](int k) {
+        if (!local.empty()) {
+            const Vec3 x = blend(kWeights[k], corners);
+            const auto found = tree.closest(x, hints[k]);
+            hints[k] = found.piece;
+            least = std::min(least, local[found.piece]);
+            return tree.reaches(found.piece, x, kInside * kInside * local[found.piece] * local[found.piece]);
+        }
         const std::int32_t found = tree.within(blend(kWeights[k], corners), inside, hints[k]);
         if (found >= 0)
             hints[k] = found;
@@ -249,8 +296,7 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
         if (!sample_near(k))
             return false;
     for (int k = 0; k < 3; ++k)
-        if (edges >> k & 1u &&
-            !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], tolerance_, hints[kSamples + k]))
+        if (edges >> k & 1u && !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], least, hints[kSamples + k]))
             return false;
     return true;
 }
@@ -258,17 +304,19 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
 SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
                                     double enough) const {
     const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const std::vector<double> &local = patches_[patch].local;
     Gap worst;
     for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
         const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
-        if (worst.distance > 0.0 && tree.reaches(hints[k], x, worst.distance * worst.distance))
+        if (local.empty() && worst.distance > 0.0 && tree.reaches(hints[k], x, worst.distance * worst.distance))
             continue; // no farther than another is
         const auto found = tree.closest(x, hints[k]);
         hints[k] = found.piece;
         const Vec3 to = found.point - x;
-        if (norm(to) > worst.distance)
-            worst = {norm(to), {weights[0], weights[1], weights[2]}, to};
+        const double strict = local.empty() ? 1.0 : tolerance_ / local[found.piece];
+        if (strict * norm(to) > worst.distance)
+            worst = {strict * norm(to), {weights[0], weights[1], weights[2]}, to, strict};
     }
     return worst;
 }
@@ -303,7 +351,7 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
     if (guide.straight)
         return true;
     std::int32_t first = 0;
-    return kAlong.all_near(guide.tree, p, q, tolerance_, first);
+    return kAlong.all_near(guide.tree, p, q, guide.tolerance, first);
 }
 
 } // namespace wct::search

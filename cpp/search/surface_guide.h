@@ -34,8 +34,9 @@ class SurfaceGuide {
         const std::vector<Facet> &triangles;
         const std::vector<int> &patch; // of each triangle, from 0
         const std::vector<Edge> &segments;
-        const std::vector<int> &curve; // of each segment, from 0
-        double flat;                   // as far off a plane or line vertices may be where they count as on it
+        const std::vector<int> &curve;    // of each segment, from 0
+        double flat;                      // as far off a plane or line vertices may be where they count as on it
+        const std::vector<double> &local; // the tolerance at each point, where it is less in places; empty: it is not
     };
     /// `tolerance` is a length. Landmarks on edges of the surface are no farther apart than `spacing`.
     SurfaceGuide(const Surface &surface, double tolerance, double spacing);
@@ -68,8 +69,9 @@ class SurfaceGuide {
     /// How far a facet is from its patch, as found at sample points: the farthest of them, in weights of the corners,
     /// and the vector from there to the surface.
     struct Gap {
-        double distance = 0.0;
+        double distance = 0.0; // as strict times farther, to be compared with the tolerance
         Vec3 weights, to_surface;
+        double strict = 1.0; // the tolerance over the one at the place
     };
     /// No farther sample is looked for once one is farther than `enough`.
     Gap gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
@@ -91,26 +93,35 @@ class SurfaceGuide {
         Vec3 point;
         int patch;
         bool joined; // to the next one, by a straight edge
+        double tolerance;
     };
+    /// The tolerance over the one at the landmark.
+    double strict(int landmark) const { return tolerance_ / landmarks_[landmark].tolerance; }
     const std::vector<Landmark> &landmarks() const { return landmarks_; }
     /// Whether the facet is within the tolerance of the landmark.
     bool covers(const std::array<Vec3, 3> &corners, int landmark) const {
         const Vec3 &point = landmarks_[landmark].point;
-        return covers(point - geometry::closest_on(corners, point));
+        return covers(point - geometry::closest_on(corners, point), landmark);
     }
     bool covers(const std::array<Vec3, 3> &corners, const geometry::TriangleFrame &frame, int landmark) const {
         const Vec3 &point = landmarks_[landmark].point;
-        return covers(point - geometry::closest_on(corners, frame, point));
+        return covers(point - geometry::closest_on(corners, frame, point), landmark);
     }
 
   private:
-    bool covers(const Vec3 &off) const { return dot(off, off) <= covered_ * covered_; }
+    /// Landmarks: what is between them may be a little farther.
+    static constexpr double kCovered = 0.94;
+    bool covers(const Vec3 &off, int landmark) const {
+        const double most = kCovered * landmarks_[landmark].tolerance;
+        return dot(off, off) <= most * most;
+    }
 
     struct Patch {
         geometry::BoundingTree<3> tree;
         bool planar = false;
         geometry::Plane plane;
         double area = 0.0;
+        std::vector<double> local; // tolerance per piece of the tree; empty: all the same
     };
     struct Curve {
         geometry::BoundingTree<2> tree;
@@ -118,6 +129,7 @@ class SurfaceGuide {
         bool bare = false;
         Vec3 direction, origin;
         std::optional<geometry::Plane> plane; // of the planar patch at the curve
+        double tolerance = 0.0;               // the least along it
     };
     void make_patches(const Surface &surface);
     void make_curves(const Surface &surface);
@@ -129,8 +141,8 @@ class SurfaceGuide {
     std::map<int, Vec3> corners_; // by point of the surface: those on creases that may move if they are corners
     std::vector<Landmark> landmarks_;
     double tolerance_;
-    double covered_;    // as far a landmark may be from the facet that covers it
-    double kept_ = 0.0; // extent from which on planes and lines are kept exactly
+    double diagonal_ = 0.0;
+    std::map<int, double> at_corners_; // the tolerance there
 };
 
 } // namespace wct::search

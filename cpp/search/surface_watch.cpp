@@ -49,7 +49,7 @@ void SurfaceWatch::begin() {
         trees.emplace(patch, geometry::BoundingTree<3>(std::move(corners)));
     std::map<int, std::int32_t> hints;
     for (std::size_t l = 0; l < guide_.landmarks().size(); ++l) {
-        const auto &[point, patch, joined] = guide_.landmarks()[l];
+        const auto &[point, patch, joined, tolerance] = guide_.landmarks()[l];
         const auto tree = trees.find(patch);
         if (tree == trees.end()) { // a patch too small to have got a facet
             complex_.add_landmark(std::nullopt);
@@ -61,7 +61,8 @@ void SurfaceWatch::begin() {
         const Facet owner = known.at(coordinates(corners));
         complex_.add_landmark(owner);
         if (!guide_.covers(corners, static_cast<int>(l)))
-            complex_.set_over(owner, std::max(complex_.over(owner), over(norm(found.point - point))));
+            complex_.set_over(owner, std::max(complex_.over(owner),
+                                              over(guide_.strict(static_cast<int>(l)) * norm(found.point - point))));
     }
 }
 
@@ -203,7 +204,8 @@ bool SurfaceWatch::near(Piece &piece, double allowed) const {
         return false;
     const auto gap = guide_.gap(piece.patch, piece.corners, piece.hints, (1.0 + allowed) * guide_.tolerance());
     const auto &[a, b, c] = piece.corners;
-    farther(piece, gap.distance, gap.weights.x * a + gap.weights.y * b + gap.weights.z * c, gap.to_surface);
+    farther(piece, gap.distance, gap.weights.x * a + gap.weights.y * b + gap.weights.z * c,
+            (gap.strict * gap.strict) * gap.to_surface);
     return piece.over <= allowed;
 }
 
@@ -212,7 +214,8 @@ double SurfaceWatch::over(double distance) const {
     return std::max(kLeast, distance / guide_.tolerance() - 1.0);
 }
 
-/// The piece is this far away where its point `at` should go `to_surface`.
+/// The piece is this far away, as in SurfaceGuide::Gap, where its point `at` should go: `to_surface` is the way there,
+/// times the square of how strict the place is, so that the pull is the gradient.
 void SurfaceWatch::farther(Piece &piece, double distance, const Vec3 &at, const Vec3 &to_surface) const {
     if (over(distance) <= piece.over)
         return;
@@ -315,7 +318,8 @@ bool SurfaceWatch::leave(int landmark, std::size_t piece) {
         handed_.push_back({landmark, owner->key});
     const Vec3 &point = guide_.landmarks()[landmark].point;
     const Vec3 foot = geometry::closest_on(owner->corners, point);
-    farther(*owner, norm(point - foot), foot, point - foot);
+    const double strict = guide_.strict(landmark);
+    farther(*owner, strict * norm(point - foot), foot, (strict * strict) * (point - foot));
     return true;
 }
 

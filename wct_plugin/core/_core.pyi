@@ -209,6 +209,21 @@ class ConformedArrays(SurfaceArrays):
     """Places that are short of the goal, by kind."""
     stopped: bool
 
+def local_tolerance(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    patch: NDArray[np.int64],
+    segments: NDArray[np.int64],
+    curve: NDArray[np.int64],
+    sides: NDArray[np.int64],
+    *,
+    tolerance: float,
+    floor: float,
+    flat: float = 0.0,
+    threads: int = 0,
+) -> NDArray[np.float64]:
+    """Per point, a tenth of the wall, gap or radius there, within ``floor``..``tolerance``; all are lengths."""
+
 def resample(
     surface_points: NDArray[np.float64],
     triangles: NDArray[np.int64],
@@ -237,6 +252,7 @@ def resample(
     flat: float = 0.0,
     expected: Callable[[float], Any] | None = None,
     threads: int = 0,
+    local_tolerance: NDArray[np.float64] | None = None,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
 
@@ -363,6 +379,7 @@ def search_well_centered(
     flat: float = 0.0,
     volumes: NDArray[np.float64] | None = None,
     most_tets: int | None = None,
+    local_tolerance: NDArray[np.float64] | None = None,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 

@@ -9,6 +9,7 @@ from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
 from wct_plugin.meshing.followed_surface import enclosed_volumes
+from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.meshing.released_creases import without
@@ -54,8 +55,8 @@ class LocalSearch:
         """Evaluations per tet, after which kicks may be given up."""
         return _WORTH[self.boundary] * self.effort
 
-    def run(self, start: SearchMesh, on: Reference, tolerance: float, worth: float = np.inf) -> "SearchedArrays":
-        """Search within ``tolerance``, a length, of the surface."""
+    def run(self, start: SearchMesh, on: Reference, tolerance: Tolerance, worth: float = np.inf) -> "SearchedArrays":
+        """Search within the tolerance of the surface."""
         fixed = self.boundary == "fixed"
         return _core.search_well_centered(
             **start,
@@ -70,7 +71,8 @@ class LocalSearch:
             surface_patch=on.strata.patch,
             surface_segments=on.strata.segments,
             surface_curve=on.strata.curve,
-            tolerance=tolerance,
+            tolerance=tolerance.most,
+            local_tolerance=tolerance.local,
             acute=self.acute,
             margin=self.margin,
             flip_surface=not fixed,
@@ -84,7 +86,7 @@ class LocalSearch:
     def resampled(
         self,
         on: Reference,
-        tolerance: float,
+        tolerance: Tolerance,
         size: Floats | None,
         finer: ShorterEdges | None = None,
         restart: PartialRestart | None = None,
@@ -107,7 +109,8 @@ class LocalSearch:
             self.mesh.points,
             self.mesh.tets,
             np.searchsorted(on.regions, self.mesh.regions),
-            tolerance,
+            tolerance.most,
+            local_tolerance=tolerance.local,
             size=size,
             folds=on.folds,
             flat=on.flat,
@@ -152,7 +155,7 @@ class LocalSearch:
         return start
 
     def run_finer(
-        self, start: SearchMesh, on: Reference, tolerance: float, size: Floats | None
+        self, start: SearchMesh, on: Reference, tolerance: Tolerance, size: Floats | None
     ) -> "list[SearchedArrays]":
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
@@ -182,7 +185,12 @@ class LocalSearch:
             start = again
 
     def _partial_restart(
-        self, on: Reference, tolerance: float, size: Floats | None, finer: ShorterEdges, tried: "list[SearchedArrays]"
+        self,
+        on: Reference,
+        tolerance: Tolerance,
+        size: Floats | None,
+        finer: ShorterEdges,
+        tried: "list[SearchedArrays]",
     ) -> SearchMesh | None:
         """A partial restart: the best that was found, made anew round its stuck tets."""
         fewest = best(tried)

@@ -19,6 +19,7 @@ from wct_plugin.measure.shape_floor import ShapeFloor
 from wct_plugin.mesh import TetMesh, strata, unit_scaling
 from wct_plugin.mesh.mesh import Repairs
 from wct_plugin.mesh.strata import PLACES
+from wct_plugin.meshing.local_tolerance import describe as describe_tolerance
 from wct_plugin.obstructions import remaining_tets
 from wct_plugin.obstructions.remaining_tets import Remaining
 
@@ -82,6 +83,7 @@ class Report:
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
     deviation: Mapping[str, float] | None  #: of the boundary from the reference, in :mod:`wct_plugin.measure.deviation`
     tolerance: float | None = None  #: what the filter that made the mesh allowed of it, as a fraction of the diagonal
+    local_tolerance: Mapping[str, Any] | None = None  #: the smallest of any place and where, if less than that
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
     certificate: Certificate | None = None  #: what is proven exactly, if that was asked for
@@ -116,6 +118,7 @@ class Report:
         out |= {
             "deviation": self.deviation,
             "tolerance": self.tolerance,
+            "local_tolerance": self.local_tolerance,
             "remaining": self.remaining,
             "shape": self.shape,
             "certificate": self.certificate.to_dict() if self.certificate else None,
@@ -254,6 +257,7 @@ def make_report(
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},
         deviation=found.get("deviation") or _deviation(mesh),
         tolerance=found.get("tolerance"),
+        local_tolerance=found.get("local_tolerance"),
         remaining=found.get("remaining"),
         shape=found.get("shape"),
         certificate=certificate.certify(mesh) if exact else None,
@@ -268,6 +272,9 @@ def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
         released_creases.describe(found["released"]) if "released" in found else "",
         planes.describe(found["planes"]) if found.get("planes") else "",
+        describe_tolerance(found["tolerance"], bool(found.get("default_tolerance")), found.get("local_tolerance"))
+        if "tolerance" in found
+        else "",
     )
     return tuple(filter(None, lines))
 
