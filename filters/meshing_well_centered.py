@@ -25,8 +25,10 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
-from wct_plugin.meshing import conforming, edge_length, search_mesh
+from wct_plugin.meshing import boundary_choice, conforming, edge_length, search_mesh
+from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
+from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.local_search import LocalSearch, best
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference, own_boundary
@@ -51,8 +53,10 @@ class MeshingOptions(Options):
         description="delaunay: no vertex inside a tet's sphere; one-sided: all signed duals positive too;"
         " 3wc: every tet contains its circumcenter; cwc: every triangle too",
     )
-    boundary: Literal["move", "keep", "fixed"] = Field(
-        "move", description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay"
+    boundary: Boundary = Field(
+        "move",
+        description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay; or one of them"
+        " per group of facets, set or tag, * for the rest: contact=fixed,*=move",
     )
     tolerance: float | None = Field(
         None,
@@ -76,6 +80,11 @@ class MeshingOptions(Options):
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
     force: bool = Field(False, description="Make the mesh anew although it meets the goal")
+
+    @field_validator("boundary", mode="before")
+    @classmethod
+    def _per_group(cls, value: Any) -> Any:
+        return boundary_choice.parse(value)
 
     @field_validator("edge_length", mode="before")
     @classmethod
@@ -149,11 +158,17 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
         own = own_boundary(normalized, self.options.crease_angle)
+        choices = PatchChoices(self.options.boundary, mesh, own.strata)
         if self.options.goal in DUAL:
-            found = self._conform(normalized, own, unit, progress)
+            found = self._conform(normalized, own, choices, unit, progress)
         else:
             found = self._well_center(
-                normalized, own, None if wanted is None else unit_scaling.rescaled(wanted, -unit), unit, progress
+                normalized,
+                own,
+                choices,
+                None if wanted is None else unit_scaling.rescaled(wanted, -unit),
+                unit,
+                progress,
             )
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
         if found.mesh is not normalized:
@@ -175,7 +190,13 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
 
     def _well_center(
-        self, mesh: TetMesh, own: Reference, wanted: Floats | None, unit: int, progress: ProgressCallback
+        self,
+        mesh: TetMesh,
+        own: Reference,
+        choices: PatchChoices,
+        wanted: Floats | None,
+        unit: int,
+        progress: ProgressCallback,
     ) -> "_Found":
         """The mesh resampled, or made from itself, with as few bad tets as the search gets to.
 
@@ -183,11 +204,14 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         """
         options = self.options
         surface = mesh.reference
-        moves = options.boundary == "move"
+        moves = choices.word == "move"
+        kept = HeldSurface.of(own, choices.stays, choices.fixed) if moves and choices.stays.any() else None
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
-            reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
+            reference, reason = own, "facets of it stay"
+            if kept is None:
+                reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
         tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
         if surface is not None and reason:
             warnings.warn(
@@ -204,7 +228,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
-        search = LocalSearch(mesh, options.boundary, acute, options.margin, options.effort, options.seed, listen)
+        fixed = np.flatnonzero(choices.fixed)
+        search = LocalSearch(
+            mesh, choices.word, acute, options.margin, options.effort, options.seed, listen, kept, fixed
+        )
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, held, wanted)
@@ -212,7 +239,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             tried = search.run_finer(fresh, reference, held, wanted)
         else:
             reference = own
-            start = self._own_start(mesh, own, wanted, listen)
+            start = self._own_start(mesh, own, choices, wanted, listen)
             tried = [] if listen.stopped else [search.run(start, own, held, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         if not tried:  # stopped before there was any other mesh
@@ -241,7 +268,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     def _bad(self, mesh: TetMesh, measured: Quality) -> int:
         return int(misses(mesh, measured, self.options.goal).sum())
 
-    def _conform(self, mesh: TetMesh, own: Reference, unit: int, progress: ProgressCallback) -> "_Found":
+    def _conform(
+        self, mesh: TetMesh, own: Reference, choices: PatchChoices, unit: int, progress: ProgressCallback
+    ) -> "_Found":
         """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is; ``unit`` as above."""
         options = self.options
         surface = mesh.reference
@@ -259,7 +288,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 "seed": options.seed + 1,
                 "progress": listen.conform,
             }
-            if options.boundary == "fixed" or _has_sheets(mesh, own):
+            if choices.fixed.any() or _has_sheets(mesh, own):
                 found = conforming.conform_inside(mesh, own, **asked)
             else:
                 found = conforming.conform(mesh, own, surface, tolerance, **asked)
@@ -298,22 +327,29 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         allowed = tolerance / (new.reference or old).diagonal
         if far := beyond(kept, allowed):
             warnings.warn(f"{', '.join(far)}; the tolerance is {allowed:.2e}", WctWarning, stacklevel=3)
+        strata = find_strata(new, options.crease_angle)
+        choices = PatchChoices(options.boundary, new, strata)
         left = list_remaining(
             new,
-            find_strata(new, options.crease_angle),
+            strata,
             measured,
             goal=options.goal,
-            boundary=options.boundary,
+            boundary=choices.word,
+            fixed=choices.fixed[strata.patch],
             crease_angle=options.crease_angle,
             stopped=stopped,
         )
         shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
         return {"bad": left["count"], "tets": len(new.tets), **kept, "shape": shape, "remaining": left}
 
-    def _own_start(self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener) -> SearchMesh:
+    def _own_start(
+        self, mesh: TetMesh, own: Reference, choices: PatchChoices, size: Floats | None, listen: Listener
+    ) -> SearchMesh:
         """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
-        moves = self.options.boundary == "move"
-        start = search_mesh.from_mesh(mesh, own, pinned=not moves)
+        moves = choices.word == "move"
+        pinned = np.zeros(len(mesh.points), dtype=bool)
+        pinned[own.strata.triangles[choices.stays[own.strata.patch]]] = True
+        start = search_mesh.from_mesh(mesh, own, pinned=pinned if moves else True)
         if size is not None:
             start["size"] = size
         if moves or listen.stopped:

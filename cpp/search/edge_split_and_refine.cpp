@@ -59,6 +59,8 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         const int patch = complex_.patch_of(a, b, v);
         if (patch < 0)
             continue;
+        if (fixes(patch))
+            return std::nullopt;
         facet_apices.push_back(v);
         facet_patches.push_back(patch);
     }

@@ -50,6 +50,7 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
       kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
+    operators_.fixed = options.fixed;
 }
 
 void Search::adopt(const SearchForm &form) {

@@ -55,11 +55,14 @@ class Operators {
     /// Whether surface edges may be flipped, and split.
     bool flip_surface = true;
     bool split_surface = true;
+    /// Per patch whether its facets stay whatever other facets do; those beyond the end do not.
+    std::vector<std::uint8_t> fixed;
     /// New edges stay within these multiples of the wanted size.
     double shortest = 0.35;
     double longest = 2.2;
 
   private:
+    bool fixes(int patch) const { return static_cast<std::size_t>(patch) < fixed.size() && fixed[patch] != 0; }
     struct Fan {
         std::vector<int> polygon;
         std::vector<int> tets;

@@ -1,6 +1,6 @@
 """The local search, from a start that is given or resampled, and from others where it is stuck."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
+from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.meshing.released_creases import without
@@ -45,6 +46,8 @@ class LocalSearch:
     effort: int
     seed: int
     listen: Listener
+    held: HeldSurface | None = None  #: patches of a boundary that moves elsewhere
+    fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
 
     @property
     def worth(self) -> float:
@@ -54,10 +57,14 @@ class LocalSearch:
     def run(self, start: SearchMesh, on: Reference, tolerance: float, worth: float = np.inf) -> "SearchedArrays":
         """Search within ``tolerance``, a length, of the surface."""
         fixed = self.boundary == "fixed"
+        rows = np.flatnonzero(np.isin(start["facet_patch"], self.fixed))
+        sides = on.sides[start["facet_patch"][rows]]
+        ruled_out = fixed_facets.ruled_out(start["points"], start["facets"][rows], sides, acute=self.acute)
         return _core.search_well_centered(
             **start,
-            ruled_out=fixed_facets.ruled_out(self.mesh, on.strata, acute=self.acute) if fixed else None,
-            loose=on.strata.soft_curves if self.boundary == "move" else None,
+            ruled_out=rows[ruled_out],
+            fixed=self.fixed,
+            loose=self._loose(on) if self.boundary == "move" else None,
             worth=worth,
             surface_points=on.points,
             surface_triangles=on.strata.triangles,
@@ -90,6 +97,7 @@ class LocalSearch:
         """
         if self.listen.stopped:
             return None
+        held = self.held
         found = _core.resample(
             on.points,
             on.strata.triangles,
@@ -111,6 +119,11 @@ class LocalSearch:
             kept_label=restart and restart.label,
             anew_at=restart and restart.at,
             anew_radius=restart and restart.radius,
+            held_points=held and held.points,
+            held_stratum=held and held.stratum.astype(np.int64),
+            held_label=held and held.label,
+            held_facets=held and held.facets,
+            held_patch=held and held.patch,
             cosines=self.acute,
             seed=self.seed + 1 + attempt,
             progress=self.listen.resample,
@@ -118,12 +131,13 @@ class LocalSearch:
         if self.listen.stopped:
             return None
         stratum = found["stratum"]
-        pinned = (stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)
+        stays = found["held"] >= 0
+        pinned = ((stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)) | stays
         start: SearchMesh = {
             "points": found["points"],
             "tets": found["tets"],
             "regions": found["region"],
-            "stratum": stratum,
+            "stratum": np.where(stays, 3, stratum).astype(np.int8),
             "label": np.where(pinned, -1, found["label"]),
             "size": found["size"],
             "facets": found["facets"],
@@ -132,7 +146,8 @@ class LocalSearch:
             "crease_curve": found["crease_curve"],
         }
         if restart is not None:
-            return stitched(start, found["lost"], restart.old)
+            again = stitched(start, found["lost"], restart.old)
+            return again if again is None or held is None or held.is_in(again, held.fixed) else None
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
         if not found["intact"] or (stratum[touching] < 3).any():
             return None
@@ -140,7 +155,7 @@ class LocalSearch:
             own_pinches = pinched(on.strata.triangles, len(on.points))
             if not own_pinches[found["label"][touching]].all():
                 return None
-        return start
+        return start if held is None or held.is_in(start, np.unique(held.patch)) else None
 
     def run_finer(
         self, start: SearchMesh, on: Reference, tolerance: float, size: Floats | None
@@ -184,6 +199,11 @@ class LocalSearch:
             if start is not None:
                 return start
         return None
+
+    def _loose(self, on: Reference) -> Ints:
+        """Creases that the search may give up."""
+        soft = on.strata.soft_curves
+        return soft if self.held is None else np.setdiff1d(soft, self.held.curves(on))
 
     def _without(self, on: Reference, creases: Ints) -> Reference:
         return without(on, creases, self.mesh.nodes.vertices.ravel())
