@@ -189,6 +189,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     adopt(sharp_form(options_.acute));
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());
+    std::erase_if(outcome_.stuck, [&](int t) { return complex_.ruled_out(t); });
     outcome_.evaluations = energy_.evaluations();
     return outcome_;
 }

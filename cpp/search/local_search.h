@@ -24,7 +24,7 @@ struct SearchOptions {
 
 struct SearchOutcome {
     int bad = 0;
-    std::vector<int> stuck; // the bad tets of the complex, once the search has ended
+    std::vector<int> stuck; // the bad tets of the complex once the search has ended, but for those that are ruled out
     int passes = 0;
     long kicks = 0;
     long accepted = 0;

@@ -173,7 +173,7 @@ class SearchedArrays(SurfaceArrays):
     bad: int
     """Tets that miss the goal, or are at a facet beyond the tolerance."""
     stuck: NDArray[np.int64]
-    """(bad,) which tets those are"""
+    """(s,) which tets those are, but for those on a facet that is ruled out"""
     passes: int
     kicks: int
     accepted: int

@@ -1,6 +1,6 @@
 """Patches whose facets are given, to be held to the bit while everything else is made anew."""
 
-from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,7 @@ from wct_plugin.meshing.search_mesh import SearchMesh
 from wct_plugin.types import Bools, Floats, Ints
 
 
-@dataclass(frozen=True, eq=False)
-class HeldSurface:
+class HeldSurface(NamedTuple):
     """Facets of some patches of a reference, all they have, with the creases and corners at their rims."""
 
     points: Floats  #: (n, 3)
@@ -23,7 +22,7 @@ class HeldSurface:
     fixed: Ints  #: (k,) those patches whose facets the search leaves alone, too; of the others the vertices stay
 
     @classmethod
-    def of(cls, on: Reference, stays: Bools, fixed: Bools) -> "HeldSurface":
+    def of(cls, on: Reference, stays: Bools, fixed: Bools) -> Self:
         """The reference's own facets of the patches that stay."""
         rows = stays[on.strata.patch]
         used, facets = np.unique(on.strata.triangles[rows], return_inverse=True)

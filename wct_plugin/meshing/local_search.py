@@ -170,7 +170,7 @@ class LocalSearch:
             found = self.run(start, self._without(on, gone), tolerance, worth)
             found["released"] = np.union1d(gone, found["released"])
             tried.append(found)
-            if found["bad"] == 0 or self.listen.stopped or worth == np.inf:
+            if not len(found["stuck"]) or self.listen.stopped or worth == np.inf:
                 return tried
             fewest = best(tried)
             finer = finer.about(fewest["points"][fewest["tets"][fewest["stuck"]]])
