@@ -4,7 +4,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -23,6 +23,7 @@ from wct_plugin.measure.shape_floor import measure_shape_floor
 from wct_plugin.measure.thin_walls import thinnest
 from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.periodic import find_periodic
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
 from wct_plugin.meshing import boundary_choice, conforming, edge_length, search_mesh
@@ -30,6 +31,7 @@ from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.local_search import LocalSearch, best
+from wct_plugin.meshing.periodic_pairs import PeriodicSurface, Unmatched
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.reference_choice import choose
@@ -41,6 +43,9 @@ from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Floats, Metrics
+
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin.core._core import SearchedArrays
 
 
 class MeshingOptions(Options):
@@ -157,8 +162,17 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             )
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
+        pairs = find_periodic(normalized)
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
+        periodic = None
+        if pairs and choices.word == "move" and self.options.goal not in DUAL:
+            try:
+                periodic = PeriodicSurface(normalized, pairs, self.options.boundary, self.options.crease_angle)
+            except Unmatched as why:
+                warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=3)
+            else:
+                own, choices = periodic.own, periodic.choices
         if self.options.goal in DUAL:
             found = self._conform(normalized, own, choices, unit, progress)
         else:
@@ -166,6 +180,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 normalized,
                 own,
                 choices,
+                periodic,
                 None if wanted is None else unit_scaling.rescaled(wanted, -unit),
                 unit,
                 progress,
@@ -185,6 +200,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 found = found._replace(mesh=normalized, measured=quality.measure(normalized), work=work)
             else:
                 better = new
+                if gone := len(pairs) - len(find_periodic(found.mesh)):
+                    warnings.warn(f"{gone} of {len(pairs)} periodic pairs of facets are lost", WctWarning, stacklevel=3)
         tolerance = math.ldexp(found.tolerance, unit)
         result = self._judge(mesh, own, better, found.measured, tolerance, stopped=found.work["stopped"])
         return better, {**result, **found.work, "tolerance": tolerance / (surface or mesh).diagonal}
@@ -194,6 +211,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         mesh: TetMesh,
         own: Reference,
         choices: PatchChoices,
+        periodic: PeriodicSurface | None,
         wanted: Floats | None,
         unit: int,
         progress: ProgressCallback,
@@ -209,8 +227,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
-            reference, reason = own, "facets of it stay"
-            if kept is None:
+            reference, reason = own, "facets of it stay, or match others"
+            if kept is None and periodic is None:
                 reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
         tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
         if surface is not None and reason:
@@ -230,13 +248,24 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         acute = options.goal == "cwc"
         fixed = np.flatnonzero(choices.fixed)
         search = LocalSearch(
-            mesh, choices.word, acute, options.margin, options.effort, options.seed, listen, kept, fixed
+            periodic.mesh if periodic else mesh,
+            choices.word,
+            acute,
+            options.margin,
+            options.effort,
+            options.seed,
+            listen,
+            kept,
+            fixed,
+            fixed[:0] if periodic is None else periodic.firm,
         )
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, held, wanted)
         if fresh is not None:
             tried = search.run_finer(fresh, reference, held, wanted)
+            if periodic:
+                tried = _with_pairs(periodic, search, tried, held)
         else:
             reference = own
             start = self._own_start(mesh, own, choices, wanted, listen)
@@ -396,6 +425,17 @@ def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: flo
         return True
     surface = SurfaceMesh(reference.points, reference.strata.triangles)
     return measure_deviation(mesh.boundary_surface(), surface, compiled=True).max <= tolerance
+
+
+def _with_pairs(
+    periodic: PeriodicSurface, search: LocalSearch, tried: "list[SearchedArrays]", tolerance: float
+) -> "list[SearchedArrays]":
+    """What was found, with pairs that match; as it is, with a warning, where there is no such mesh."""
+    try:
+        return periodic.matched(search, best(tried), tolerance)
+    except Unmatched as why:
+        warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=5)
+        return tried
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

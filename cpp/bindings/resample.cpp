@@ -159,7 +159,8 @@ renewal_of(const std::optional<Array> &points, const std::optional<Array> &strat
 
 /// Facets of the surface that are given, with their points.
 sampling::HeldFacets held_of(const Array &points, const Array &stratum, const Array &label, const Array &facets,
-                             const Array &facet_patch, std::size_t patches) {
+                             const Array &facet_patch, const Array &edges, const Array &curves,
+                             const domain::SurfaceData &surface) {
     sampling::HeldFacets held;
     held.points = points_of(points, "held_points");
     const auto strata = static_cast<std::int64_t>(Stratum::corner) + 1;
@@ -167,7 +168,10 @@ sampling::HeldFacets held_of(const Array &points, const Array &stratum, const Ar
         held.role.push_back(static_cast<Stratum>(role));
     held.label = numbers_of(label, held.points.size(), std::numeric_limits<std::int32_t>::max(), "held_label");
     held.facets = cells_of<3>(facets, held.points.size(), "held_facets");
-    held.patch = numbers_of(facet_patch, held.facets.size(), static_cast<std::int64_t>(patches), "held_patch");
+    held.patch =
+        numbers_of(facet_patch, held.facets.size(), static_cast<std::int64_t>(surface.sides.size()), "held_patch");
+    held.edges = cells_of<2>(edges, held.points.size(), "held_edges");
+    held.curves = numbers_of(curves, static_cast<std::int64_t>(surface.segments.size()), "held_curves");
     return held;
 }
 
@@ -180,7 +184,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
                          const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius,
                          const std::optional<Array> &held_points, const std::optional<Array> &held_stratum,
                          const std::optional<Array> &held_label, const std::optional<Array> &held_facets,
-                         const std::optional<Array> &held_patch, bool cosines, std::uint64_t seed,
+                         const std::optional<Array> &held_patch, const std::optional<Array> &held_edges,
+                         const std::optional<Array> &held_curves, bool cosines, std::uint64_t seed,
                          const nb::object &progress, double gap, unsigned threads) {
     trim();
     domain::SurfaceData surface =
@@ -206,12 +211,16 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     options.seed = seed;
     const std::optional<sampling::PartialRenewal> renewal =
         renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
-    const bool any_held = held_points || held_stratum || held_label || held_facets || held_patch;
-    if (any_held && !(held_points && held_stratum && held_label && held_facets && held_patch))
-        refuse("held_points, held_stratum, held_label, held_facets and held_patch go together");
-    const sampling::HeldFacets given =
-        any_held ? held_of(*held_points, *held_stratum, *held_label, *held_facets, *held_patch, surface.sides.size())
-                 : sampling::HeldFacets{};
+    const std::optional<Array> *of_held[] = {&held_points, &held_stratum, &held_label, &held_facets,
+                                             &held_patch,  &held_edges,   &held_curves};
+    const auto given =
+        std::count_if(std::begin(of_held), std::end(of_held), [](auto *one) { return one->has_value(); });
+    if (given != 0 && given != std::size(of_held))
+        refuse(
+            "held_points, held_stratum, held_label, held_facets, held_patch, held_edges and held_curves go together");
+    const sampling::HeldFacets facets = given ? held_of(*held_points, *held_stratum, *held_label, *held_facets,
+                                                        *held_patch, *held_edges, *held_curves, surface)
+                                              : sampling::HeldFacets{};
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     sampling::Resampled result;
     sampling::SurfaceLabels labels;
@@ -221,8 +230,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         Monitor monitor(listener);
         domain::Reference reference(std::move(surface));
         std::optional<sampling::HeldSurface> held;
-        if (any_held)
-            held.emplace(given, reference);
+        if (given)
+            held.emplace(facets, reference);
         result = sampling::resample(reference, mesh, wanted, options, renewal, held ? &*held : nullptr, monitor,
                                     workers_of(threads));
         if (!result.complex.all.tets.empty()) {
@@ -247,8 +256,9 @@ void bind_resample(nb::module_ &m) {
         nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
         nb::arg("anew_radius") = nb::none(), nb::arg("held_points") = nb::none(), nb::arg("held_stratum") = nb::none(),
         nb::arg("held_label") = nb::none(), nb::arg("held_facets") = nb::none(), nb::arg("held_patch") = nb::none(),
-        nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
-        nb::arg("gap") = domain::SizingForm{}.gap, nb::arg("threads") = 0,
+        nb::arg("held_edges") = nb::none(), nb::arg("held_curves") = nb::none(), nb::arg("cosines") = true,
+        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap,
+        nb::arg("threads") = 0,
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -262,7 +272,9 @@ void bind_resample(nb::module_ &m) {
         "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). held_points, "
         "held_stratum,\n"
         "held_label (h,) in the same way, held_facets (g, 3) between them, running as the surface's triangles do, and\n"
-        "held_patch (g,): the facets of some patches, all of them, that are to be there. progress(done, bad) "
+        "held_patch (g,): the facets of some patches, all of them, that are to be there; held_edges (e, 2) in the same "
+        "way\n"
+        "of held_curves (c,). progress(done, bad) "
         "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap.\n\n"
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"

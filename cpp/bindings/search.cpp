@@ -172,7 +172,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
                               const nb::object &progress, const std::optional<Array> &ruled_out,
-                              const std::optional<Array> &fixed, const std::optional<Array> &loose, double worth) {
+                              const std::optional<Array> &fixed, const std::optional<Array> &fixed_curves,
+                              const std::optional<Array> &loose, double worth) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -227,6 +228,10 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     if ((flip_surface || split_surface) &&
         std::any_of(hopeless.begin(), hopeless.end(), [&](int k) { return !stays[sheet_patch[k]]; }))
         refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
+    std::vector<std::uint8_t> curve_stays(static_cast<std::size_t>(curves), 0);
+    if (fixed_curves)
+        for (const int c : numbers_of(*fixed_curves, curves, "fixed_curves"))
+            curve_stays[c] = 1;
     std::vector<std::uint8_t> may_go(static_cast<std::size_t>(curves), 0);
     if (loose)
         for (const int c : numbers_of(*loose, curves, "loose"))
@@ -264,6 +269,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.flip_surface = flip_surface;
     options.split_surface = split_surface;
     options.fixed = stays;
+    options.fixed_curves = curve_stays;
     options.passes = passes;
     options.kicks = kicks;
     options.seed = seed;
@@ -289,8 +295,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
           nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
-          nb::arg("ruled_out") = nb::none(), nb::arg("fixed") = nb::none(), nb::arg("loose") = nb::none(),
-          nb::arg("worth") = std::numeric_limits<double>::infinity());
+          nb::arg("ruled_out") = nb::none(), nb::arg("fixed") = nb::none(), nb::arg("fixed_curves") = nb::none(),
+          nb::arg("loose") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity());
 }
 
 } // namespace wct::bindings

@@ -31,7 +31,8 @@ bool ascend(Facet &f) {
 } // namespace
 
 HeldSurface::HeldSurface(const HeldFacets &facets, const domain::Reference &reference)
-    : reference_(reference), held_(facets), patches_(facets.patch.begin(), facets.patch.end()) {
+    : reference_(reference), held_(facets), patches_(facets.patch.begin(), facets.patch.end()),
+      curves_(facets.curves.begin(), facets.curves.end()) {
     for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c) {
         const std::vector<int> &beside = reference.patches_at_curve(c);
         if (std::any_of(beside.begin(), beside.end(), [&](int patch) { return patches_.contains(patch); }))
@@ -43,16 +44,18 @@ HeldSurface::HeldSurface(const HeldFacets &facets, const domain::Reference &refe
             corners_.insert(held_.label[i]);
     }
     std::vector<double> sum(held_.points.size(), 0.0), count(held_.points.size(), 0.0);
+    const auto measure = [&](int v, int w) {
+        for (const int u : {v, w}) {
+            sum[u] += norm(held_.points[v] - held_.points[w]);
+            count[u] += 1.0;
+        }
+    };
+    for (const auto &[v, w] : held_.edges)
+        measure(v, w);
     for (std::size_t k = 0; k < held_.facets.size(); ++k) {
         Facet key = held_.facets[k];
-        for (int i = 0; i < 3; ++i) {
-            const int v = key[i], w = key[(i + 1) % 3];
-            const double length = norm(held_.points[v] - held_.points[w]);
-            for (const int u : {v, w}) {
-                sum[u] += length;
-                count[u] += 1.0;
-            }
-        }
+        for (int i = 0; i < 3; ++i)
+            measure(key[i], key[(i + 1) % 3]);
         ascend(key);
         facet_.emplace(key, static_cast<int>(k));
     }
@@ -69,7 +72,6 @@ void HeldSurface::protect() {
     for (const int v : reference_.data().corners)
         if (!corners_.contains(v))
             others.push_back(reference_.data().points[v]);
-    std::vector<geometry::Box> boxes;
     for (const Facet &facet : held_.facets) {
         const Vec3 &p = held_.points[facet[0]];
         const Vec3 u = held_.points[facet[1]] - p, v = held_.points[facet[2]] - p, n = cross(u, v);
@@ -93,15 +95,31 @@ void HeldSurface::protect() {
             continue;
         const double inset = std::min(0.5 * (hi - lo), room * ball.radius);
         const double x = std::clamp(0.0, lo + inset, hi - inset);
-        ball = {ball.center + x * unit(n), std::hypot(ball.radius, x)};
-        balls_.push_back(ball);
-        const Vec3 reach{ball.radius, ball.radius, ball.radius};
-        geometry::Box box;
-        box.add(ball.center - reach);
-        box.add(ball.center + reach);
-        boxes.push_back(box);
+        add_ball({ball.center + x * unit(n), std::hypot(ball.radius, x)});
     }
-    tree_ = geometry::BoxTree(boxes);
+    protect_edges(others);
+    tree_ = geometry::BoxTree(boxes_);
+}
+
+void HeldSurface::protect_edges(std::span<const Vec3> others) {
+    for (const Edge &edge : held_.edges) {
+        const Vec3 &p = held_.points[edge[0]], &q = held_.points[edge[1]];
+        const Ball ball{0.5 * (p + q), 0.5 * norm(q - p)};
+        const bool empty = std::none_of(others.begin(), others.end(), [&](const Vec3 &other) {
+            return !(other == p) && !(other == q) && norm(other - ball.center) < ball.radius;
+        });
+        if (empty)
+            add_ball(ball);
+    }
+}
+
+void HeldSurface::add_ball(const Ball &ball) {
+    const Vec3 reach{ball.radius, ball.radius, ball.radius};
+    geometry::Box box;
+    box.add(ball.center - reach);
+    box.add(ball.center + reach);
+    balls_.push_back(ball);
+    boxes_.push_back(box);
 }
 
 bool HeldSurface::holds(Stratum role, int label) const {
@@ -120,12 +138,22 @@ bool HeldSurface::holds(Stratum role, int label) const {
 
 void HeldSurface::set_sizes(domain::Sizing &sizing) const {
     const auto &data = reference_.data();
+    for (const int c : held_.curves)
+        for (const int v : reference_.curves()[c].vertices) {
+            double least = kInfinity;
+            for (const Edge &edge : held_.edges)
+                for (const int w : edge)
+                    if (const double far = norm(held_.points[w] - data.points[v]); far < least) {
+                        least = far;
+                        sizing.surface[v] = size_[w];
+                    }
+        }
     std::set<int> vertices;
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         if (patches_.contains(data.patch[t]))
             vertices.insert(data.triangles[t].begin(), data.triangles[t].end());
     const geometry::TriangleTree tree(held_.points, held_.facets);
-    for (const int v : vertices) {
+    for (const int v : vertices) { // none where no facets are held
         const auto near = tree.nearest(data.points[v]);
         double size = 0.0;
         for (int i = 0; i < 3; ++i)
@@ -281,7 +309,19 @@ bool HeldSurface::complete(const Cloud &cloud, const RestrictedDelaunay &complex
         seen[k] =
             seen[k] || (complex.region[t] == sides[above] && complex.beyond(static_cast<int>(t), i) == sides[!above]);
     });
-    return std::find(seen.begin(), seen.end(), 0) == seen.end();
+    if (std::find(seen.begin(), seen.end(), 0) != seen.end())
+        return false;
+    const std::vector<int> number = numbers(cloud);
+    std::set<Edge> edges;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+        for (const auto &[i, j] : kEdges) {
+            const int v = number[complex.all.tets[t][i]], w = number[complex.all.tets[t][j]];
+            if (complex.region[t] >= 0 && v >= 0 && w >= 0)
+                edges.insert({std::min(v, w), std::max(v, w)});
+        }
+    return std::all_of(held_.edges.begin(), held_.edges.end(), [&](const Edge &edge) {
+        return edges.contains({std::min(edge[0], edge[1]), std::max(edge[0], edge[1])});
+    });
 }
 
 } // namespace wct::sampling

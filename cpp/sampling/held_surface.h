@@ -15,30 +15,34 @@
 
 namespace wct::sampling {
 
-/// The triangulation of some patches, given facet by facet.
+/// The triangulation of some patches, given facet by facet, and of some curves, edge by edge.
 struct HeldFacets {
     std::vector<Vec3> points;
     std::vector<Stratum> role;
     std::vector<int> label;    // patch, curve or vertex of the reference
     std::vector<Facet> facets; // running as the patches' triangles do
     std::vector<int> patch;    // of each facet
+    std::vector<Edge> edges;   // of curves whose patches are not given
+    std::vector<int> curves;   // those curves
 };
 
-/// Patches whose facets are given, and stay to the bit while everything else is sampled anew.
+/// Patches whose facets are given, and curves whose edges are, that stay to the bit while everything else is sampled
+/// anew.
 ///
 /// A facet is in every Delaunay triangulation whose points stay out of one ball through its corners, its protecting
-/// ball: here the smallest of those that hold no other held point and no corner. Points that come too near move out of
-/// the balls, or go. Every tet on a held facet has the region of that side of the facet.
+/// ball: here the smallest of those that hold no other held point and no corner. So is an edge, with the smallest ball
+/// through its ends. Points that come too near move out of the balls, or go. Every tet on a held facet has the region
+/// of that side of the facet.
 class HeldSurface {
   public:
-    /// `facets` cover patches of the reference; their curves are those that a patch of them is at.
+    /// `facets` cover patches of the reference; held with them are the curves that a patch of them is at.
     HeldSurface(const HeldFacets &facets, const domain::Reference &reference);
 
     /// Whether points with this role and label, and creases, belong to what is held.
     bool holds(Stratum role, int label) const;
     bool holds_curve(int curve) const { return curves_.contains(curve); }
     bool holds_patch(int patch) const { return patches_.contains(patch); }
-    /// Sizes on the held patches are the means of their own edges.
+    /// Sizes on the held patches and curves are the means of their own edges.
     void set_sizes(domain::Sizing &sizing) const;
     /// Held points take the places of others of what is held.
     void put(Cloud &cloud, const domain::Sizing &sizing) const;
@@ -54,7 +58,7 @@ class HeldSurface {
     std::vector<int> patches(const Cloud &cloud, std::span<const Facet> facets) const;
     /// Per point of the cloud the held point it is, or -1.
     std::vector<int> numbers(const Cloud &cloud) const;
-    /// Whether the surface of the complex has all held facets.
+    /// Whether the surface of the complex has all held facets, and the complex the edges.
     bool complete(const Cloud &cloud, const RestrictedDelaunay &complex) const;
 
   private:
@@ -63,6 +67,8 @@ class HeldSurface {
         double radius = 0.0;
     };
     void protect();
+    void protect_edges(std::span<const Vec3> others);
+    void add_ball(const Ball &ball);
     bool clear(Vec3 &p, Stratum role, int label) const;
     /// visit(tet, i, k, above) for each facet i of a tet that is held facet k; above: its normal points into the tet.
     template <class Visit> void each_held(const Cloud &cloud, const std::vector<Tet> &tets, const Visit &visit) const;
@@ -73,7 +79,8 @@ class HeldSurface {
     std::vector<double> size_; // per point: the mean of its held edges
     std::map<std::array<double, 3>, int> at_;
     std::map<Facet, int> facet_; // corners ascending
-    std::vector<Ball> balls_;    // but for those of facets that no ball protects
+    std::vector<Ball> balls_;    // but for those of facets and edges that no ball protects
+    std::vector<geometry::Box> boxes_;
     geometry::BoxTree tree_;
 };
 

@@ -67,6 +67,8 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     const int curve = complex_.curve_of(a, b);
     if ((curve >= 0 || !facet_patches.empty()) && !split_surface)
         return std::nullopt;
+    if (curve >= 0 && fixes_curve(curve))
+        return std::nullopt;
     if (curve >= 0) {
         middle.stratum = Stratum::crease;
         middle.label = curve;

@@ -51,6 +51,7 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
     operators_.fixed = options.fixed;
+    operators_.fixed_curves = options.fixed_curves;
 }
 
 void Search::adopt(const SearchForm &form) {

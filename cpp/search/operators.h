@@ -57,12 +57,17 @@ class Operators {
     bool split_surface = true;
     /// Per patch whether its facets stay whatever other facets do; those beyond the end do not.
     std::vector<std::uint8_t> fixed;
+    /// The same per curve of its edges.
+    std::vector<std::uint8_t> fixed_curves;
     /// New edges stay within these multiples of the wanted size.
     double shortest = 0.35;
     double longest = 2.2;
 
   private:
     bool fixes(int patch) const { return static_cast<std::size_t>(patch) < fixed.size() && fixed[patch] != 0; }
+    bool fixes_curve(int curve) const {
+        return static_cast<std::size_t>(curve) < fixed_curves.size() && fixed_curves[curve] != 0;
+    }
     struct Fan {
         std::vector<int> polygon;
         std::vector<int> tets;

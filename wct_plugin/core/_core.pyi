@@ -237,6 +237,8 @@ def resample(
     held_label: NDArray[np.int64] | None = None,
     held_facets: NDArray[np.int64] | None = None,
     held_patch: NDArray[np.int64] | None = None,
+    held_edges: NDArray[np.int64] | None = None,
+    held_curves: NDArray[np.int64] | None = None,
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
@@ -255,7 +257,7 @@ def resample(
     of each; they stay, but for those within ``anew_radius`` (z,) of ``anew_at`` (z, 3), and what is beside moves.
     ``held_points`` (h, 3), ``held_stratum``, ``held_label`` (h,) in the same way, ``held_facets`` (g, 3) between them,
     running as the surface's triangles do, and ``held_patch`` (g,): the facets of some patches, all of them, that are to
-    be in the mesh.
+    be in the mesh; ``held_edges`` (e, 2) in the same way of ``held_curves`` (c,).
     ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may be, in widths
     of the gap.
 
@@ -365,6 +367,7 @@ def search_well_centered(
     progress: Callable[[str, float, int], Any] | None = None,
     ruled_out: NDArray[np.int64] | None = None,
     fixed: NDArray[np.int64] | None = None,
+    fixed_curves: NDArray[np.int64] | None = None,
     loose: NDArray[np.int64] | None = None,
     worth: float = ...,
 ) -> SearchedArrays:
@@ -383,7 +386,8 @@ def search_well_centered(
     ``split_surface`` say whether surface facets may be flipped, and crease edges and surface edges split or collapsed.
     At most ``passes`` sweeps and ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
     ``ruled_out`` (r,): rows of ``facets`` on which no tet can meet the goal as long as they stay; only where the
-    surface is neither flipped nor split, or of ``fixed`` (f,) patches, whose vertices stay too.
+    surface is neither flipped nor split, or of ``fixed`` (f,) patches, whose vertices stay too. ``fixed_curves``
+    (g,): curves whose edges are not split.
     ``loose`` (l,): curves that are creases by their angle alone. Those of them that are not kept exactly, nor bound a
     planar patch that is, become ordinary surface where tets near them withstand an eighth of the ``kicks``.
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.

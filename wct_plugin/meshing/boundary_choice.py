@@ -10,7 +10,7 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.strata import Strata
 from wct_plugin.meshing import per_group
-from wct_plugin.types import Bools
+from wct_plugin.types import Bools, Ints
 
 Choice = Literal["move", "keep", "fixed"]
 Boundary = Choice | dict[str, Choice]
@@ -58,6 +58,10 @@ class PatchChoices:
             before = np.where(named[patches], self._rank[patches], 0)
             self._rank[patches] = np.maximum(before, CHOICES.index(choice))
             named[patches] = True
+
+    def level(self, patches: Ints) -> None:
+        """Let these patches (k,) do no more than the one of them that is held most."""
+        self._rank[patches] = self._rank[patches].max()
 
     @property
     def word(self) -> Choice:

@@ -27,6 +27,7 @@ _PASSES = 12
 _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
+_FINER_HELD = 2  #: the same beside facets that are held
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -48,11 +49,12 @@ class LocalSearch:
     listen: Listener
     held: HeldSurface | None = None  #: patches of a boundary that moves elsewhere
     fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
+    firm: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: creases never given up
 
     @property
     def worth(self) -> float:
         """Evaluations per tet, after which kicks may be given up."""
-        return _WORTH[self.boundary] * self.effort
+        return _WORTH["keep" if self.held is not None else self.boundary] * self.effort
 
     def run(self, start: SearchMesh, on: Reference, tolerance: float, worth: float = np.inf) -> "SearchedArrays":
         """Search within ``tolerance``, a length, of the surface."""
@@ -64,6 +66,7 @@ class LocalSearch:
             **start,
             ruled_out=rows[ruled_out],
             fixed=self.fixed,
+            fixed_curves=None if self.held is None else self.held.all_curves(on),
             loose=self._loose(on) if self.boundary == "move" else None,
             worth=worth,
             surface_points=on.points,
@@ -124,6 +127,8 @@ class LocalSearch:
             held_label=held and held.label,
             held_facets=held and held.facets,
             held_patch=held and held.patch,
+            held_edges=held and held.edges,
+            held_curves=held and held.curves,
             cosines=self.acute,
             seed=self.seed + 1 + attempt,
             progress=self.listen.resample,
@@ -147,7 +152,9 @@ class LocalSearch:
         }
         if restart is not None:
             again = stitched(start, found["lost"], restart.old)
-            return again if again is None or held is None or held.is_in(again, held.fixed) else None
+            if again is None or held is None:
+                return again
+            return held.pinned(again) if held.is_in(again, held.fixed) else None
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
         if not found["intact"] or (stratum[touching] < 3).any():
             return None
@@ -173,9 +180,9 @@ class LocalSearch:
             if not len(found["stuck"]) or self.listen.stopped or worth == np.inf:
                 return tried
             fewest = best(tried)
-            finer = finer.about(fewest["points"][fewest["tets"][fewest["stuck"]]])
+            finer = finer.about(fewest["points"][self._free(fewest)])
             again = None
-            if len(tried) <= _FINER:
+            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
                 gone = fewest["released"]
                 again = self._partial_restart(self._without(on, gone), tolerance, size, finer, tried)
                 if again is None:
@@ -194,16 +201,25 @@ class LocalSearch:
         fewest = best(tried)
         vain = len(tried) - 1 - [one["bad"] for one in tried].index(fewest["bad"])
         for wider in range(_PARTIAL_RESTARTS):
-            restart = PartialRestart.of(fewest, vain + wider)
+            restart = PartialRestart.of(fewest, vain + wider, held=self.held is not None)
             start = restart and self.resampled(on, tolerance, size, finer, restart, len(tried))
             if start is not None:
                 return start
         return None
 
+    def _free(self, found: "SearchedArrays") -> Ints:
+        """(s, 4) the stuck tets that shorter edges may help, as they do not beside facets that are held."""
+        stuck = found["tets"][found["stuck"]]
+        if self.held is None:
+            return stuck
+        pinned = (found["stratum"] == 3) & (found["label"] < 0)
+        free: Ints = stuck[~pinned[stuck].any(axis=1)]
+        return free
+
     def _loose(self, on: Reference) -> Ints:
         """Creases that the search may give up."""
-        soft = on.strata.soft_curves
-        return soft if self.held is None else np.setdiff1d(soft, self.held.curves(on))
+        soft = np.setdiff1d(on.strata.soft_curves, self.firm)
+        return soft if self.held is None else np.setdiff1d(soft, self.held.all_curves(on))
 
     def _without(self, on: Reference, creases: Ints) -> Reference:
         return without(on, creases, self.mesh.nodes.vertices.ravel())
