@@ -122,7 +122,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     Planes, straight creases and corners at them are kept exactly, but for those smaller than 28 tolerances and 3 % of
     the diagonal: these move within the tolerance, as all that is curved does. Of the other creases, those that their
     angle alone makes and that hold tets back for long become ordinary surface within the tolerance, as on scans.
-    With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
+    With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets;
+    where only some groups of facets stay, all else is resampled round them. Sides that are translates of each other, as
+    those of a periodic cell, match again.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
