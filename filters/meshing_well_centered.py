@@ -4,7 +4,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -26,13 +26,17 @@ from wct_plugin.measure.shape_floor import measure_shape_floor
 from wct_plugin.measure.thin_walls import thinnest
 from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.periodic import find_periodic
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
-from wct_plugin.meshing import conforming, edge_length, planes, search_mesh
+from wct_plugin.meshing import boundary_choice, conforming, edge_length, planes, search_mesh
+from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.followed_surface import enclosed_volumes, stretch
-from wct_plugin.meshing.local_search import LocalSearch, ranked
+from wct_plugin.meshing.held_surface import HeldSurface
+from wct_plugin.meshing.local_search import LocalSearch, best, ranked
 from wct_plugin.meshing.local_tolerance import Tolerance, find_tolerance
+from wct_plugin.meshing.periodic_pairs import PeriodicSurface, Unmatched
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.reference_choice import choose
@@ -46,6 +50,9 @@ from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Floats, Metrics
 
+if TYPE_CHECKING:  # the stubs' names are not in the module
+    from wct_plugin.core._core import SearchedArrays
+
 
 class MeshingOptions(Options):
     """What may change, how near the surface must stay, and how hard to try."""
@@ -57,8 +64,10 @@ class MeshingOptions(Options):
         description="delaunay: no vertex inside a tet's sphere; one-sided: all signed duals positive too;"
         " 3wc: every tet contains its circumcenter; cwc: every triangle too",
     )
-    boundary: Literal["move", "keep", "fixed"] = Field(
-        "move", description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay"
+    boundary: Boundary = Field(
+        "move",
+        description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay; or one of them"
+        " per group of facets, set or tag, * for the rest: contact=fixed,*=move",
     )
     tolerance: float | None = Field(
         None,
@@ -95,6 +104,11 @@ class MeshingOptions(Options):
     )
     force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
+    @field_validator("boundary", mode="before")
+    @classmethod
+    def _per_group(cls, value: Any) -> Any:
+        return boundary_choice.parse(value)
+
     @field_validator("edge_length", mode="before")
     @classmethod
     def _lengths(cls, value: Any) -> EdgeLength:
@@ -127,7 +141,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     but for those smaller than 28 tolerances and 3 % of the diagonal: these move within the tolerance, as all that is
     curved does. Of the other creases, those that their angle alone makes and that hold tets back for long become
     ordinary surface within the tolerance, as on scans.
-    With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets.
+    With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets;
+    where only some groups of facets stay, all else is resampled round them. Sides that are translates of each other, as
+    those of a periodic cell, match again.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
@@ -168,15 +184,29 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             )
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
+        pairs = find_periodic(normalized)
         own = own_boundary(normalized, self.options.crease_angle)
+        choices = PatchChoices(self.options.boundary, mesh, own.strata)
+        periodic = None
+        if pairs and choices.word == "move" and self.options.goal not in DUAL:
+            try:
+                periodic = PeriodicSurface(normalized, pairs, self.options.boundary, self.options.crease_angle)
+            except Unmatched as why:
+                warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=3)
+            else:
+                own, choices = periodic.own, periodic.choices
         if self.options.goal in DUAL:
-            found = self._conform(normalized, own, unit, progress, tangled=tangled is not None)
+            found = self._conform(normalized, own, choices, unit, progress, tangled=tangled is not None)
         else:
             wanted = None if wanted is None else unit_scaling.rescaled(wanted, -unit)
-            found = self._well_center(normalized, own, wanted, unit, progress, tangled=tangled is not None)
+            found = self._well_center(
+                normalized, own, choices, periodic, wanted, unit, progress, tangled=tangled is not None
+            )
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
         if found.mesh is not normalized:
             better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
+            if gone := len(pairs) - len(find_periodic(found.mesh)):
+                warnings.warn(f"{gone} of {len(pairs)} periodic pairs of facets are lost", WctWarning, stacklevel=3)
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         result = self._judge(mesh, own, better, found, followed, tolerance)
@@ -191,6 +221,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         self,
         mesh: TetMesh,
         own: Reference,
+        choices: PatchChoices,
+        periodic: PeriodicSurface | None,
         wanted: Floats | None,
         unit: int,
         progress: ProgressCallback,
@@ -203,14 +235,17 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         """
         options = self.options
         surface = mesh.reference
-        moves = options.boundary == "move"
+        moves = choices.word == "move"
+        kept = HeldSurface.of(own, choices.stays, choices.fixed) if moves and choices.stays.any() else None
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
             exact = planes.precision(surface.points, unit)
-            reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance, exact)
-        straight, plane = mesh, None
-        if moves and options.planes == "exact":
+            reference, reason = own, "facets of it stay, or match others"
+            if kept is None and periodic is None:
+                reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance, exact)
+        straight, plane = periodic.mesh if periodic else mesh, None
+        if moves and options.planes == "exact" and kept is None and periodic is None:
             if reference is own:
                 straight, own, plane = planes.straightened_mesh(mesh, own, planes.precision(mesh.points, unit))
                 reference = own
@@ -238,20 +273,33 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         limit = TetLimit(options.max_tets, listen)
+        fixed = np.flatnonzero(choices.fixed)
         search = LocalSearch(
-            straight, options.boundary, acute, options.margin, options.effort, options.seed, listen, limit
+            straight,
+            choices.word,
+            acute,
+            options.margin,
+            options.effort,
+            options.seed,
+            listen,
+            limit,
+            kept,
+            fixed,
+            fixed[:0] if periodic is None else periodic.firm,
         )
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
             fresh = search.resampled(reference, within, wanted)
         if fresh is not None:
             tried = search.run_finer(fresh, reference, within, wanted)
+            if periodic:
+                tried = _with_pairs(periodic, search, tried, within)
         else:
             if reference is not own:
                 within = self._within(own, own, None, held)
                 least = within.least(own, diagonal, math.ldexp(1.0, unit))
             reference = own
-            start = self._own_start(straight, own, wanted, listen, limit)
+            start = self._own_start(straight, own, choices, wanted, listen, limit)
             stays = listen.stopped or not limit.takes(len(start["tets"]))
             tried = [] if stays else [search.run(start, own, within, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
@@ -306,7 +354,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
 
     def _within(self, on: Reference, own: Reference, surface: SurfaceMesh | None, held: float) -> Tolerance:
         """The tolerance place by place; where the mesh is off the surface already, no less than that."""
-        if not self.options.local_tolerance or self.options.boundary == "fixed":
+        if not self.options.local_tolerance:
             return Tolerance(held)
         apart = gap(own, surface, held) if surface is not None and on is not own else 0.0
         return find_tolerance(on, held, apart)
@@ -320,7 +368,14 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         return int(misses(mesh, measured, self.options.goal).sum())
 
     def _conform(
-        self, mesh: TetMesh, own: Reference, unit: int, progress: ProgressCallback, *, tangled: bool
+        self,
+        mesh: TetMesh,
+        own: Reference,
+        choices: PatchChoices,
+        unit: int,
+        progress: ProgressCallback,
+        *,
+        tangled: bool,
     ) -> "_Found":
         """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is; ``unit`` as above."""
         options = self.options
@@ -339,7 +394,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 "seed": options.seed + 1,
                 "progress": listen.conform,
             }
-            if options.boundary == "fixed" or _has_sheets(mesh, own):
+            if choices.fixed.any() or _has_sheets(mesh, own):
                 found = conforming.conform_inside(mesh, own, **asked)
             else:
                 found = conforming.conform(mesh, own, surface, tolerance, **asked)
@@ -402,12 +457,15 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         )
         for loss in losses:
             warnings.warn(loss["text"], WctWarning, stacklevel=3)
+        strata = find_strata(new, options.crease_angle)
+        choices = PatchChoices(options.boundary, new, strata)
         left = list_remaining(
             new,
-            find_strata(new, options.crease_angle),
+            strata,
             measured,
             goal=options.goal,
-            boundary=options.boundary,
+            boundary=choices.word,
+            fixed=choices.fixed[strata.patch],
             crease_angle=options.crease_angle,
             stopped=found.work["stopped"],
         )
@@ -416,11 +474,19 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         return {"bad": left["count"], "tets": len(new.tets), **kept, **said, "shape": shape, "remaining": left}
 
     def _own_start(
-        self, mesh: TetMesh, own: Reference, size: Floats | None, listen: Listener, limit: TetLimit
+        self,
+        mesh: TetMesh,
+        own: Reference,
+        choices: PatchChoices,
+        size: Floats | None,
+        listen: Listener,
+        limit: TetLimit,
     ) -> SearchMesh:
         """The mesh, or its inside filled anew where its surface stays: whichever has the smaller share of bad tets."""
-        moves = self.options.boundary == "move"
-        start = search_mesh.from_mesh(mesh, own, pinned=not moves)
+        moves = choices.word == "move"
+        pinned = np.zeros(len(mesh.points), dtype=bool)
+        pinned[own.strata.triangles[choices.stays[own.strata.patch]]] = True
+        start = search_mesh.from_mesh(mesh, own, pinned=pinned if moves else True)
         if size is not None:
             start["size"] = size
         if moves or listen.stopped:
@@ -480,6 +546,17 @@ def _outer(on: Reference) -> SurfaceMesh:
 def _warn_of_fault(fault: str) -> None:
     said = f"{fault}; the mesh stays as it is: a smaller tolerance or shorter edges may help"
     warnings.warn(said, WctWarning, stacklevel=4)
+
+
+def _with_pairs(
+    periodic: PeriodicSurface, search: LocalSearch, tried: "list[SearchedArrays]", tolerance: Tolerance
+) -> "list[SearchedArrays]":
+    """What was found, with pairs that match; as it is, with a warning, where there is no such mesh."""
+    try:
+        return periodic.matched(search, best(tried), tolerance)
+    except Unmatched as why:
+        warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=5)
+        return tried
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

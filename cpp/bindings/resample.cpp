@@ -23,7 +23,8 @@ namespace wct::bindings {
 
 namespace {
 
-nb::dict to_python(const sampling::Resampled &result, const sampling::SurfaceLabels &surface) {
+nb::dict to_python(const sampling::Resampled &result, const sampling::SurfaceLabels &surface,
+                   const std::vector<int> &held) {
     const sampling::Cloud &cloud = result.cloud;
     std::vector<int> kept; // the tets inside
     for (std::size_t t = 0; t < result.complex.all.tets.size(); ++t)
@@ -87,6 +88,10 @@ nb::dict to_python(const sampling::Resampled &result, const sampling::SurfaceLab
                 *to++ = place[v];
         });
     };
+    out["held"] = array<std::int64_t>(points.size(), 0, [&](std::int64_t *to) {
+        for (const std::size_t i : points)
+            *to++ = held.empty() ? -1 : held[i];
+    });
     out["exposed"] = flawed(result.flaws.exposed);
     out["pinched"] = flawed(result.flaws.pinched);
     out["lost"] = flawed(result.lost);
@@ -152,15 +157,37 @@ renewal_of(const std::optional<Array> &points, const std::optional<Array> &strat
         places_of<sampling::PartialRenewal::Zone>(*anew_at, "anew_at", *anew_radius, "anew_radius"));
 }
 
+/// Facets of the surface that are given, with their points.
+sampling::HeldFacets held_of(const Array &points, const Array &stratum, const Array &label, const Array &facets,
+                             const Array &facet_patch, const Array &edges, const Array &curves,
+                             const domain::SurfaceData &surface) {
+    sampling::HeldFacets held;
+    held.points = points_of(points, "held_points");
+    const auto strata = static_cast<std::int64_t>(Stratum::corner) + 1;
+    for (const int role : numbers_of(stratum, held.points.size(), strata, "held_stratum"))
+        held.role.push_back(static_cast<Stratum>(role));
+    held.label = numbers_of(label, held.points.size(), std::numeric_limits<std::int32_t>::max(), "held_label");
+    held.facets = cells_of<3>(facets, held.points.size(), "held_facets");
+    held.patch =
+        numbers_of(facet_patch, held.facets.size(), static_cast<std::int64_t>(surface.sides.size()), "held_patch");
+    held.edges = cells_of<2>(edges, held.points.size(), "held_edges");
+    held.curves = numbers_of(curves, static_cast<std::int64_t>(surface.segments.size()), "held_curves");
+    return held;
+}
+
 nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
                          const Array &curve, const Array &corners, const Array &sides, const Array &points,
                          const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
                          const std::optional<Array> &folds, const std::optional<Array> &finer_at,
                          const std::optional<Array> &finer_size, const std::optional<Array> &kept_points,
                          const std::optional<Array> &kept_stratum, const std::optional<Array> &kept_label,
-                         const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius, bool cosines,
-                         std::uint64_t seed, const nb::object &progress, double gap, double flat,
-                         const nb::object &expected, unsigned threads, const std::optional<Array> &local) {
+                         const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius,
+                         const std::optional<Array> &held_points, const std::optional<Array> &held_stratum,
+                         const std::optional<Array> &held_label, const std::optional<Array> &held_facets,
+                         const std::optional<Array> &held_patch, const std::optional<Array> &held_edges,
+                         const std::optional<Array> &held_curves, bool cosines, std::uint64_t seed,
+                         const nb::object &progress, double gap, double flat, const nb::object &expected,
+                         unsigned threads, const std::optional<Array> &local) {
     trim();
     domain::SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
@@ -192,21 +219,38 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         options.expected = [&](double tets) { return goes_on(expected, tets); };
     const std::optional<sampling::PartialRenewal> renewal =
         renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
+    const std::optional<Array> *of_held[] = {&held_points, &held_stratum, &held_label, &held_facets,
+                                             &held_patch,  &held_edges,   &held_curves};
+    const auto given =
+        std::count_if(std::begin(of_held), std::end(of_held), [](auto *one) { return one->has_value(); });
+    if (given != 0 && given != std::size(of_held))
+        refuse(
+            "held_points, held_stratum, held_label, held_facets, held_patch, held_edges and held_curves go together");
+    const sampling::HeldFacets facets = given ? held_of(*held_points, *held_stratum, *held_label, *held_facets,
+                                                        *held_patch, *held_edges, *held_curves, surface)
+                                              : sampling::HeldFacets{};
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     sampling::Resampled result;
     sampling::SurfaceLabels labels;
+    std::vector<int> numbers;
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         domain::Reference reference(std::move(surface));
-        result = sampling::resample(reference, mesh, wanted, options, renewal, monitor, workers_of(threads));
+        std::optional<sampling::HeldSurface> held;
+        if (given)
+            held.emplace(facets, reference);
+        result = sampling::resample(reference, mesh, wanted, options, renewal, held ? &*held : nullptr, monitor,
+                                    workers_of(threads));
         if (!result.complex.all.tets.empty()) {
             sampling::free_buried(result.cloud, result.complex, reference);
-            labels = sampling::label_surface(result.cloud, result.complex, reference);
+            labels = sampling::label_surface(result.cloud, result.complex, reference, held ? &*held : nullptr);
+            if (held)
+                numbers = held->numbers(result.cloud);
         }
     }
     trim();
-    return to_python(result, labels);
+    return to_python(result, labels, numbers);
 }
 
 } // namespace
@@ -218,9 +262,12 @@ void bind_resample(nb::module_ &m) {
         nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("folds") = nb::none(),
         nb::arg("finer_at") = nb::none(), nb::arg("finer_size") = nb::none(), nb::arg("kept_points") = nb::none(),
         nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
-        nb::arg("anew_radius") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1,
-        nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap, nb::arg("flat") = 0.0,
-        nb::arg("expected") = nb::none(), nb::arg("threads") = 0, nb::arg("local_tolerance") = nb::none(),
+        nb::arg("anew_radius") = nb::none(), nb::arg("held_points") = nb::none(), nb::arg("held_stratum") = nb::none(),
+        nb::arg("held_label") = nb::none(), nb::arg("held_facets") = nb::none(), nb::arg("held_patch") = nb::none(),
+        nb::arg("held_edges") = nb::none(), nb::arg("held_curves") = nb::none(), nb::arg("cosines") = true,
+        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap,
+        nb::arg("flat") = 0.0, nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
+        nb::arg("local_tolerance") = nb::none(),
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -233,7 +280,12 @@ void bind_resample(nb::module_ &m) {
         "one. folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
         "(k,): edges are no longer than this round these places.\n"
         "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"
-        "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). progress(done, bad) "
+        "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). held_points, "
+        "held_stratum,\n"
+        "held_label (h,) in the same way, held_facets (g, 3) between them, running as the surface's triangles do, and\n"
+        "held_patch (g,): the facets of some patches, all of them, that are to be there; held_edges (e, 2) in the same "
+        "way\n"
+        "of held_curves (c,). progress(done, bad) "
         "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
         "of the gap. flat: as far off a plane or line vertices may be where they count as on it, if that is more than "
         "1e-9 of its extent. expected(tets) hears about how many tets there will be, before any is made, but for a "
@@ -241,11 +293,14 @@ void bind_resample(nb::module_ &m) {
         "anew in places; it returns False to give up, without a tet.\n\n"
         "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"
         "buried there, 1 patch, 2 crease, 3 corner),\n"
-        "label (patch or curve id, surface point of a corner, -1 inside) and size; exposed and pinched, the points "
+        "label (patch or curve id, surface point of a corner, -1 inside), size and held, the held point that it is or "
+        "-1;\n"
+        "exposed and pinched, the points "
         "where\n"
         "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
         "across from one planar patch to another, the creases of those have no gaps, and the Euler characteristic of\n"
-        "every region is as in the mesh; lost: points where the domain is not represented, but for corners;\n"
+        "every region is as in the mesh, and all held facets are there; lost: points where the domain is not "
+        "represented, but for corners;\n"
         "stats. No tets where it was stopped before there were any. The same input and seed give the same bits.");
 }
 

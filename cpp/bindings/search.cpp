@@ -172,6 +172,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const Array &surface_curve, double tolerance, bool acute, double margin,
                               bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
                               const nb::object &progress, const std::optional<Array> &ruled_out,
+                              const std::optional<Array> &fixed, const std::optional<Array> &fixed_curves,
                               const std::optional<Array> &loose, double worth, double flat,
                               const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets,
                               const std::optional<Array> &local_tolerance) {
@@ -217,8 +218,22 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     std::vector<int> hopeless;
     if (ruled_out)
         hopeless = numbers_of(*ruled_out, static_cast<std::int64_t>(sheet.size()), "ruled_out");
-    if (!hopeless.empty() && (flip_surface || split_surface))
+    std::vector<std::uint8_t> stays(static_cast<std::size_t>(patches), 0);
+    if (fixed)
+        for (const int p : numbers_of(*fixed, patches, "fixed"))
+            stays[p] = 1;
+    for (std::size_t k = 0; k < sheet.size(); ++k)
+        for (const int v : sheet[k])
+            if (stays[sheet_patch[k]] && !(role[v] == Stratum::corner && owner[v] == -1))
+                refuse("fixed holds patch " + std::to_string(sheet_patch[k]) + ", and point " + std::to_string(v) +
+                       " of it may move");
+    if ((flip_surface || split_surface) &&
+        std::any_of(hopeless.begin(), hopeless.end(), [&](int k) { return !stays[sheet_patch[k]]; }))
         refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
+    std::vector<std::uint8_t> curve_stays(static_cast<std::size_t>(curves), 0);
+    if (fixed_curves)
+        for (const int c : numbers_of(*fixed_curves, curves, "fixed_curves"))
+            curve_stays[c] = 1;
     std::vector<std::uint8_t> may_go(static_cast<std::size_t>(curves), 0);
     if (loose)
         for (const int c : numbers_of(*loose, curves, "loose"))
@@ -260,6 +275,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.margin = margin;
     options.flip_surface = flip_surface;
     options.split_surface = split_surface;
+    options.fixed = stays;
+    options.fixed_curves = curve_stays;
     options.passes = passes;
     options.kicks = kicks;
     options.seed = seed;
@@ -289,9 +306,10 @@ void bind_search(nb::module_ &m) {
           nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
           nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
           nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
-          nb::arg("ruled_out") = nb::none(), nb::arg("loose") = nb::none(),
-          nb::arg("worth") = std::numeric_limits<double>::infinity(), nb::arg("flat") = 0.0,
-          nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none(), nb::arg("local_tolerance") = nb::none());
+          nb::arg("ruled_out") = nb::none(), nb::arg("fixed") = nb::none(), nb::arg("fixed_curves") = nb::none(),
+          nb::arg("loose") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity(),
+          nb::arg("flat") = 0.0, nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none(),
+          nb::arg("local_tolerance") = nb::none());
 }
 
 } // namespace wct::bindings

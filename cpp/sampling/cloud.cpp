@@ -87,6 +87,9 @@ bool drop_twins(Cloud &cloud) {
     std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
         if (key_of(i) != key_of(j))
             return key_of(i) < key_of(j);
+        const bool given = cloud.held[i] == Hold::given, other = cloud.held[j] == Hold::given;
+        if (given != other)
+            return given;
         return cloud.role[i] != cloud.role[j] ? cloud.role[i] > cloud.role[j] : i < j;
     });
     std::vector<char> keep(cloud.count(), 1);
@@ -125,7 +128,7 @@ Vec3 retract_to_crease(Cloud &cloud, const domain::Reference &reference, std::si
 
 void retract(Cloud &cloud, const domain::Reference &reference, const Workers &workers) {
     workers.for_each(cloud.count(), kChunk, [&](std::size_t i) {
-        if (cloud.held[i] == Hold::all)
+        if (cloud.held[i] >= Hold::all)
             return;
         if (cloud.role[i] == Stratum::patch)
             reference.to_patch(cloud.points[i], foot_on_patch(cloud, reference, i));
@@ -152,7 +155,7 @@ void retract_to_shell(Cloud &cloud, const domain::Reference &reference, double s
                 direction[i] = reference.smooth_normal(foot);
             }
         }
-        if (cloud.held[i] == Hold::all)
+        if (cloud.held[i] >= Hold::all)
             p = before;
     });
 }

@@ -13,8 +13,8 @@
 
 namespace wct::sampling {
 
-/// What leaves a point where it is.
-enum class Hold : std::uint8_t { none, relaxation, all };
+/// What leaves a point where it is: from `all` on nothing moves it, and a given one does not go either.
+enum class Hold : std::uint8_t { none, relaxation, all, given };
 
 /// The points of a mesh in the making.
 struct Cloud {
@@ -43,8 +43,8 @@ std::vector<int> patches_of(const Cloud &cloud, const domain::Reference &referen
 /// The patches all of these points belong to (at least one), ascending.
 std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points);
 
-/// Drop points that coincide with another: of two the one that is freer to move goes, else the later one. True if any
-/// did.
+/// Drop points that coincide with another: of two the one that is freer to move goes, else the later one, and no given
+/// one. True if any did.
 bool drop_twins(Cloud &cloud);
 
 /// Put every boundary point where its role wants it, on curved patches at their offset.

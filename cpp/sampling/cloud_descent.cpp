@@ -284,7 +284,7 @@ std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::
             break;
     }
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (cloud.held[i] != Hold::all) // not by a rounding
+        if (cloud.held[i] < Hold::all) // not by a rounding
             cloud.points[i] = cloud.size[i] * points[i];
     return objective.evaluations();
 }

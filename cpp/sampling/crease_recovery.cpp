@@ -1,6 +1,7 @@
 #include "sampling/crease_recovery.h"
 
 #include "sampling/curve_chains.h"
+#include "sampling/held_surface.h"
 
 #include <algorithm>
 
@@ -72,7 +73,7 @@ std::vector<CreaseGap> crease_gaps(const Cloud &cloud, const domain::Reference &
 }
 
 int recover_creases(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
-                    const Workers &workers) {
+                    const HeldSurface *held, const Workers &workers) {
     const Edges edges = surface_edges(complex);
     const std::vector<CreaseGap> gaps = find_gaps(cloud, reference, edges);
     if (gaps.empty())
@@ -81,6 +82,8 @@ int recover_creases(Cloud &cloud, const domain::Reference &reference, const Rest
     PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
     int got = 0;
     for (const CreaseGap &gap : gaps) {
+        if (held && held->holds_curve(gap.curve))
+            continue; // its facets bring it
         const double size = 0.5 * (cloud.size[gap.first] + cloud.size[gap.second]);
         if (const int p = standing_in(gap, near[gap.first], size, cloud, reference); p >= 0) {
             cloud.role[p] = Stratum::crease;

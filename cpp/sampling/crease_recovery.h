@@ -22,6 +22,6 @@ std::vector<CreaseGap> crease_gaps(const Cloud &cloud, const domain::Reference &
 /// Creases must be edges of the mesh: a patch point that stands in a gap becomes a point of the crease, and where none
 /// does a new point is put half-way. Returns the number of points that the creases got.
 int recover_creases(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
-                    const Workers &workers);
+                    const HeldSurface *held, const Workers &workers);
 
 } // namespace wct::sampling

@@ -107,8 +107,9 @@ int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelau
     std::sort(near.begin(), near.end());
     for (const auto &[length, edge] : near) {
         const auto &[v, w] = edge;
-        const int goes = cloud.role[w] == Stratum::patch ? w : v;
-        if (touched[v] || touched[w] || cloud.held[goes] == Hold::all)
+        const bool given = cloud.held[w] == Hold::given && cloud.role[v] == Stratum::patch;
+        const int goes = cloud.role[w] == Stratum::patch && !given ? w : v;
+        if (touched[v] || touched[w] || cloud.held[goes] >= Hold::all)
             continue;
         touched[v] = touched[w] = 1;
         keep[goes] = 0;
@@ -118,7 +119,7 @@ int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelau
     for (const auto &[length, edge] : far) {
         const auto &[v, w] = edge;
         const int patch = common_patch(cloud, reference, edge);
-        const bool held = cloud.held[v] == Hold::all && cloud.held[w] == Hold::all;
+        const bool held = cloud.held[v] >= Hold::all && cloud.held[w] >= Hold::all;
         if (touched[v] || touched[w] || held || patch < 0)
             continue;
         Vec3 middle = 0.5 * (cloud.points[v] + cloud.points[w]);

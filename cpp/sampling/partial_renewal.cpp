@@ -39,6 +39,10 @@ void PartialRenewal::apply(Cloud &cloud, const domain::Sizing &sizing) const {
     std::vector<char> fresh(cloud.count());
     for (std::size_t i = 0; i < cloud.count(); ++i) {
         const Vec3 &p = cloud.points[i];
+        if (cloud.held[i] == Hold::given) {
+            fresh[i] = 1;
+            continue;
+        }
         fresh[i] = cloud.role[i] == Stratum::corner ? !corners.contains(cloud.label[i])
                                                     : reaches(p, 0.0) && !grid.crowded(p, apart * cloud.size[i]);
         if (hold(p) == Hold::all)

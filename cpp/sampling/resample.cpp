@@ -104,7 +104,7 @@ bool thin_creases(Cloud &cloud, const domain::Reference &reference) {
             continue;
         PointGrid &grid = grids[cloud.label[i]];
         const double radius = share * cloud.size[i];
-        if (grid.crowded(cloud.points[i], radius)) {
+        if (cloud.held[i] != Hold::given && grid.crowded(cloud.points[i], radius)) {
             keep[i] = 0;
             any = true;
         } else {
@@ -113,7 +113,8 @@ bool thin_creases(Cloud &cloud, const domain::Reference &reference) {
         }
     }
     for (std::size_t i = 0; i < cloud.count(); ++i)
-        if (cloud.role[i] == Stratum::patch && creases.crowded(cloud.points[i], share * cloud.size[i])) {
+        if (cloud.role[i] == Stratum::patch && cloud.held[i] != Hold::given &&
+            creases.crowded(cloud.points[i], share * cloud.size[i])) {
             keep[i] = 0;
             any = true;
         }
@@ -122,9 +123,11 @@ bool thin_creases(Cloud &cloud, const domain::Reference &reference) {
     return any;
 }
 
-/// Every boundary point on its stratum, no two at one place.
-void settle(Cloud &cloud, const domain::Reference &reference, double shell, std::vector<Vec3> &direction,
-            const Workers &workers) {
+/// Every boundary point on its stratum, no two at one place, none where held facets would suffer.
+void settle(Cloud &cloud, const domain::Reference &reference, const HeldSurface *held, double shell,
+            std::vector<Vec3> &direction, const Workers &workers) {
+    if (held)
+        held->clear(cloud);
     do
         retract_to_shell(cloud, reference, shell, direction, workers);
     while (drop_twins(cloud) || thin_creases(cloud, reference));
@@ -274,22 +277,22 @@ void keep_upright(Cloud &cloud, const RestrictedDelaunay &complex, const std::ve
 
 /// The complex of the settled points, changed until the domain's creases and surfaces are in it. `touched` receives the
 /// points where sheets touched on the way.
-Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map, double shell,
-                std::vector<Vec3> &direction, RestrictedDelaunay &complex, std::vector<int> &touched,
+Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map, const HeldSurface *held,
+                double shell, std::vector<Vec3> &direction, RestrictedDelaunay &complex, std::vector<int> &touched,
                 const Workers &workers) {
-    settle(cloud, reference, shell, direction, workers);
-    complex = restricted_delaunay(cloud, reference, map, workers);
+    settle(cloud, reference, held, shell, direction, workers);
+    complex = restricted_delaunay(cloud, reference, map, workers, held);
     Flaws flaws = find_flaws(cloud, complex);
     for (int pass = 0; pass < 4; ++pass) {
         const bool promoted = promote(cloud, reference, complex, flaws);
         if (promoted) { // points may have gone, and with them the complex's numbers
-            settle(cloud, reference, shell, direction, workers);
-            complex = restricted_delaunay(cloud, reference, map, workers);
+            settle(cloud, reference, held, shell, direction, workers);
+            complex = restricted_delaunay(cloud, reference, map, workers, held);
         }
-        if (recover_creases(cloud, reference, complex, workers) == 0 && !promoted)
+        if (recover_creases(cloud, reference, complex, held, workers) == 0 && !promoted)
             break;
-        settle(cloud, reference, shell, direction, workers);
-        complex = restricted_delaunay(cloud, reference, map, workers);
+        settle(cloud, reference, held, shell, direction, workers);
+        complex = restricted_delaunay(cloud, reference, map, workers, held);
         flaws = find_flaws(cloud, complex);
     }
     touched = flaws.pinched;
@@ -310,8 +313,8 @@ struct Start {
 } // namespace
 
 Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, std::span<const double> wanted,
-                   const ResampleOptions &options, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
-                   const Workers &workers) {
+                   const ResampleOptions &options, const std::optional<PartialRenewal> &renewal,
+                   const HeldSurface *held, Monitor &monitor, const Workers &workers) {
     using Clock = std::chrono::steady_clock;
     auto last = Clock::now();
     Resampled result;
@@ -323,6 +326,8 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     const domain::RegionMap map(mesh, reference);
     lap("map");
     domain::Sizing sizing(reference, mesh, map, options.sizing, wanted, workers);
+    if (held)
+        held->set_sizes(sizing);
     lap("sizing");
     if (options.expected && !renewal && !options.expected(estimate_tets(reference, mesh, sizing, workers)))
         return result;
@@ -333,20 +338,22 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     const bool curved = has_curved_patches(reference);
     const auto seeds = [&] {
         set_offsets(reference, sizing, options, correction);
-        return make_seeds(reference, map, sizing, SeedForm{}, renewal, random, workers);
+        return make_seeds(reference, map, sizing, SeedForm{}, renewal, held, random, workers);
     };
     const auto relaxed = [&](Cloud cloud, int sweeps) {
         for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
             drop_twins(cloud);
-            RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
+            RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers, held);
             if (sweep >= options.mend_from && sweep % 4 == 0 && sweep + 4 < options.sweeps)
                 if (mend(cloud, reference, complex, options.longest, options.shortest) > 0) {
                     drop_twins(cloud);
                     clear_sharp(cloud, sizing);
-                    complex = restricted_delaunay(cloud, reference, map, workers);
+                    complex = restricted_delaunay(cloud, reference, map, workers, held);
                 }
             relax(cloud, reference, complex, options.step, workers);
             keep_off_sharp(cloud, reference, sizing, workers);
+            if (held)
+                held->clear(cloud);
             if (sweep % 8 == 7)
                 refresh_sizes(cloud, sizing, workers);
             monitor.report(0.0); // a sweep takes far longer than so many evaluations
@@ -359,7 +366,7 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
         if (monitor.stopped())
             break;
         drop_twins(cloud);
-        const RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers);
+        const RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers, held);
         learn(measure_deviation(cloud, complex, reference, workers), sizing, correction, ceiling, options);
     }
     lap("trials");
@@ -367,7 +374,8 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     const double tolerance = options.sizing.tolerance;
     const auto represents = [&](const Cloud &cloud, const RestrictedDelaunay &complex, const Flaws &flaws) {
         return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, options.sizing).empty() &&
-               geometry::euler_characteristics(complex.all.tets, complex.region) == euler;
+               geometry::euler_characteristics(complex.all.tets, complex.region) == euler &&
+               (!held || held->complete(cloud, complex));
     };
     std::vector<Vec3> direction;
     const double shell = options.shell * tolerance;
@@ -390,7 +398,7 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
         std::vector<int> touched;
         std::vector<double> fewest; // bad tets and facets off, after each round since the domain was met
         for (int round = 0; round <= options.rounds && !monitor.stopped(); ++round) {
-            Flaws flaws = represent(cloud, reference, map, shell, direction, complex, touched, workers);
+            Flaws flaws = represent(cloud, reference, map, held, shell, direction, complex, touched, workers);
             const std::vector<Tie> ties = curved ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
             const std::vector<Vec3> unfitted = cloud.points;
             fit_heights(cloud, reference, ties, direction, fit, workers);

@@ -8,6 +8,7 @@
 #include "sampling/cloud.h"
 #include "sampling/cloud_descent.h"
 #include "sampling/deviation.h"
+#include "sampling/held_surface.h"
 #include "sampling/partial_renewal.h"
 #include "sampling/restricted_delaunay.h"
 #include "sampling/seeds.h"
@@ -69,17 +70,17 @@ struct Resampled {
     Tally tally;
     Deviation deviation;
     /// No flaws but at corners, no facet far across planes, no gap in their creases, the domain's Euler
-    /// characteristics.
+    /// characteristics, all held facets.
     bool intact = false;
     std::vector<int> lost; // points where it is not, but for corners
     bool stopped = false;  // without a tet, where that was before there was any mesh; as where it was given up
     std::vector<std::pair<std::string, double>> stats;
 };
 
-/// Resample the domain, or only what the renewal makes anew: see make_seeds, relax and descend. The reference's offsets
-/// are set on the way.
+/// Resample the domain, but for what is held, or only what the renewal makes anew: see make_seeds, relax and descend.
+/// The reference's offsets are set on the way.
 Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, std::span<const double> wanted,
-                   const ResampleOptions &options, const std::optional<PartialRenewal> &renewal, Monitor &monitor,
-                   const Workers &workers);
+                   const ResampleOptions &options, const std::optional<PartialRenewal> &renewal,
+                   const HeldSurface *held, Monitor &monitor, const Workers &workers);
 
 } // namespace wct::sampling

@@ -1,6 +1,7 @@
 #include "sampling/restricted_delaunay.h"
 
 #include "base/disjoint_sets.h"
+#include "sampling/held_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,8 +86,11 @@ std::array<int, 3> RestrictedDelaunay::facet(int t, int i) const {
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
 
-RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers) {
+RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
+                                     const HeldSurface *held) {
     RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}};
+    if (held)
+        held->recover(cloud, complex.all);
     const auto &tets = complex.all.tets;
     complex.region.resize(tets.size());
     workers.for_each(tets.size(), 1024, [&](std::size_t t) {
@@ -111,13 +115,17 @@ RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap
             center += 0.25 * cloud.points[v];
         complex.region[t] = map.region(center, near);
     });
+    if (held)
+        held->label(cloud, complex);
     return complex;
 }
 
 RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
-                                       const domain::RegionMap &map, const Workers &workers) {
-    RestrictedDelaunay complex = labelled_delaunay(cloud, map, workers);
+                                       const domain::RegionMap &map, const Workers &workers, const HeldSurface *held) {
+    RestrictedDelaunay complex = labelled_delaunay(cloud, map, workers, held);
     peel(cloud, reference, complex);
+    if (held)
+        held->label(cloud, complex);
     return complex;
 }
 

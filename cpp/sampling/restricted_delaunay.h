@@ -10,6 +10,8 @@
 
 namespace wct::sampling {
 
+class HeldSurface;
+
 /// The Delaunay tets of a cloud and the region each belongs to, -1 outside.
 struct RestrictedDelaunay {
     delaunay::Triangulation all;
@@ -30,10 +32,13 @@ struct RestrictedDelaunay {
 };
 
 /// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out.
-RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers);
-/// The same, with slivers on curved patches taken off too.
+RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
+                                     const HeldSurface *held = nullptr);
+/// The same, with slivers on curved patches taken off too. Tets on `held` facets belong to what is on that side of
+/// them.
 RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
-                                       const domain::RegionMap &map, const Workers &workers);
+                                       const domain::RegionMap &map, const Workers &workers,
+                                       const HeldSurface *held = nullptr);
 
 /// What is wrong with the surfaces of a complex.
 struct Flaws {

@@ -49,6 +49,8 @@ void even_sharp(Cloud &cloud, const domain::Reference &reference, int corner, co
         sum += norm(cloud.points[one.point] - at);
     }
     for (const Spoke *one : sharp) {
+        if (cloud.held[one->point] == Hold::given)
+            continue;
         Vec3 &p = cloud.points[one->point];
         p = reference.nearest_on_curve(at + (sum / static_cast<double>(sharp.size())) * unit(p - at), one->curve, true)
                 .point;

@@ -320,12 +320,14 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
 }
 
 Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &map, const domain::Sizing &sizing,
-                 const SeedForm &form, const std::optional<PartialRenewal> &renewal, Random &random,
-                 const Workers &workers) {
+                 const SeedForm &form, const std::optional<PartialRenewal> &renewal, const HeldSurface *held,
+                 Random &random, const Workers &workers) {
     Cloud cloud;
     for (const int v : reference.data().corners)
         cloud.add(reference.data().points[v], Stratum::corner, v, size_at(sizing, reference.data().points[v]));
     seed_curves(cloud, reference, sizing);
+    if (held)
+        held->put(cloud, sizing);
     seed_sharp_rows(cloud, reference, sizing);
     seed_corners(cloud, reference);
     seed_patches(cloud, reference, sizing, form, renewal, random);
@@ -333,6 +335,10 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
     seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);
     retract(cloud, reference, workers);
     clear_sharp(cloud, sizing);
+    if (held) {
+        held->drop_others(cloud);
+        held->clear(cloud);
+    }
     return cloud;
 }
 

@@ -5,6 +5,7 @@
 #include "domain/region_map.h"
 #include "domain/sizing.h"
 #include "sampling/cloud.h"
+#include "sampling/held_surface.h"
 #include "sampling/partial_renewal.h"
 
 #include <optional>
@@ -24,10 +25,10 @@ struct SeedForm {
 
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
 /// body-centered cubic lattice whose cell follows the size field in steps, and the middles of thin walls. With a
-/// renewal, those on patches and inside only in its zones.
+/// renewal, those on patches and inside only in its zones; what is held has its own points.
 Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &map, const domain::Sizing &sizing,
-                 const SeedForm &form, const std::optional<PartialRenewal> &renewal, Random &random,
-                 const Workers &workers);
+                 const SeedForm &form, const std::optional<PartialRenewal> &renewal, const HeldSurface *held,
+                 Random &random, const Workers &workers);
 
 /// The lattice alone, of the scale that the sizes of the cloud's points ask for; new points keep off the surface.
 void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,

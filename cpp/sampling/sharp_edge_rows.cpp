@@ -2,6 +2,7 @@
 
 #include "sampling/curve_chains.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -92,7 +93,7 @@ void each_step(Cloud &cloud, const domain::Reference &reference, const domain::S
             continue;
         const bool closed = reference.curves()[c].closed;
         for (const CurveStop &stop : chains[c])
-            cloud.held[stop.point] = Hold::relaxation;
+            cloud.held[stop.point] = std::max(cloud.held[stop.point], Hold::relaxation);
         for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
             const int a = chains[c][k].point, b = chains[c][k + 1].point;
             visit(Step{cloud.points[a], cloud.points[b], 0.5 * (cloud.size[a] + cloud.size[b]), !closed && k == 0,

@@ -125,7 +125,7 @@ void fit_heights(Cloud &cloud, const domain::Reference &reference, const std::ve
     };
     std::vector<Riser> risers;
     for (std::size_t v = 0; v < cloud.count(); ++v) {
-        if (cloud.role[v] != Stratum::patch || reference.planar(cloud.label[v]) || cloud.held[v] == Hold::all ||
+        if (cloud.role[v] != Stratum::patch || reference.planar(cloud.label[v]) || cloud.held[v] >= Hold::all ||
             first[v] == first[v + 1])
             continue;
         risers.push_back({static_cast<int>(v), 0.0, 0.0});

@@ -1,6 +1,7 @@
 #include "sampling/surface_labels.h"
 
 #include "sampling/curve_chains.h"
+#include "sampling/held_surface.h"
 
 #include <algorithm>
 #include <map>
@@ -9,9 +10,12 @@ namespace wct::sampling {
 
 namespace {
 
-/// The patch all three corners belong to; of several, or of none, the nearest to the facet's centroid.
-int patch_of(const Cloud &cloud, const domain::Reference &reference, const Facet &facet) {
-    const std::vector<int> shared = shared_patches(cloud, reference, facet);
+/// The patch all three corners belong to; of several, or of none, the nearest to the facet's centroid. A facet that is
+/// none of the held ones belongs to a patch that is not held, if there is one.
+int patch_of(const Cloud &cloud, const domain::Reference &reference, const Facet &facet, const HeldSurface *held) {
+    std::vector<int> shared = shared_patches(cloud, reference, facet);
+    if (held && shared.size() > 1)
+        std::erase_if(shared, [&](int patch) { return held->holds_patch(patch); });
     if (shared.size() == 1)
         return shared[0];
     const Vec3 middle = (1.0 / 3.0) * (cloud.points[facet[0]] + cloud.points[facet[1]] + cloud.points[facet[2]]);
@@ -71,7 +75,8 @@ void free_buried(Cloud &cloud, const RestrictedDelaunay &complex, const domain::
     }
 }
 
-SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference) {
+SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
+                            const HeldSurface *held) {
     SurfaceLabels out;
     struct Patches {
         int first;
@@ -80,8 +85,10 @@ SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &comple
     };
     std::map<Edge, Patches> edges; // ordered: the result does not depend on addresses
     out.facets = surface_facets(complex);
-    for (const Facet &facet : out.facets) {
-        const int patch = patch_of(cloud, reference, facet);
+    const std::vector<int> given = held ? held->patches(cloud, out.facets) : std::vector<int>(out.facets.size(), -1);
+    for (std::size_t f = 0; f < out.facets.size(); ++f) {
+        const Facet &facet = out.facets[f];
+        const int patch = given[f] >= 0 ? given[f] : patch_of(cloud, reference, facet, held);
         out.patch.push_back(patch);
         for (int k = 0; k < 3; ++k) {
             const int a = facet[k], b = facet[(k + 1) % 3];

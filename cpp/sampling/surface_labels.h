@@ -19,6 +19,7 @@ struct SurfaceLabels {
 /// inside and become interior. Creases and corners that are inside in the reference too stay what they are.
 void free_buried(Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference);
 
-SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference);
+SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
+                            const HeldSurface *held = nullptr);
 
 } // namespace wct::sampling

@@ -43,7 +43,7 @@ SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgr
         sum.accepted += one.accepted;
         sum.evaluations += one.evaluations;
         sum.stopped = one.stopped;
-        if (one.bad == 0 || one.stopped || !more)
+        if (one.stuck.empty() || one.stopped || !more)
             return sum;
         const std::vector<int> curves = near(one.stuck, may);
         more = !curves.empty(); // else once more, with all patience

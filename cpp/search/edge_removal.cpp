@@ -162,8 +162,8 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
 bool Operators::cut_ear(int a, int b, double slack) {
     const int t = ring_.tets[0], r = ring_.link[0], s = ring_.link[1];
     const int patch = complex_.patch_of(a, b, r);
-    if (!flip_surface || patch < 0 || complex_.patch_of(a, b, s) != patch || complex_.curve_of(r, s) >= 0 ||
-        !beyond(a, b, r, s))
+    if (!flip_surface || patch < 0 || fixes(patch) || complex_.patch_of(a, b, s) != patch ||
+        complex_.curve_of(r, s) >= 0 || !beyond(a, b, r, s))
         return false;
     // With an edge inside between r and s, and so tets behind both facets, no vertex is lost and nothing pinches.
     if (!ring(r, s, ring_) || !ring_.closed ||
@@ -204,7 +204,7 @@ bool Operators::remove_edge(int a, int b, double slack) {
                 return false;
             second = k;
         }
-    if (facets != 0 && (facets != 2 || !flip_surface))
+    if (facets != 0 && (facets != 2 || !flip_surface || fixes(patch)))
         return false;
     if (!ring_.closed && facets != 2)
         return false;

@@ -59,11 +59,15 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         const int patch = complex_.patch_of(a, b, v);
         if (patch < 0)
             continue;
+        if (fixes(patch))
+            return std::nullopt;
         facet_apices.push_back(v);
         facet_patches.push_back(patch);
     }
     const int curve = complex_.curve_of(a, b);
     if ((curve >= 0 || !facet_patches.empty()) && !split_surface)
+        return std::nullopt;
+    if (curve >= 0 && fixes_curve(curve))
         return std::nullopt;
     if (curve >= 0) {
         middle.stratum = Stratum::crease;

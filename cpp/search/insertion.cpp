@@ -180,7 +180,7 @@ std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
 
 std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &near, double slack) {
     const int patch = complex_.patch_of(at[0], at[1], at[2]);
-    if (!split_surface || patch < 0)
+    if (!split_surface || patch < 0 || fixes(patch))
         return std::nullopt;
     Vertex vertex;
     vertex.position = near;

@@ -51,6 +51,8 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
     operators_.most = options.most;
+    operators_.fixed = options.fixed;
+    operators_.fixed_curves = options.fixed_curves;
 }
 
 void Search::adopt(const SearchForm &form) {
@@ -189,6 +191,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     adopt(sharp_form(options_.acute));
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());
+    std::erase_if(outcome_.stuck, [&](int t) { return complex_.ruled_out(t); });
     outcome_.evaluations = energy_.evaluations();
     return outcome_;
 }

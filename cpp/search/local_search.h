@@ -13,7 +13,8 @@ struct SearchOptions {
     double margin = 0.02; // clearance in h/R and cosine aimed at once all tets meet the goal
     bool flip_surface = true;
     bool split_surface = true;
-    int passes = 12;    // greatest number of sweeps over all tets that fall short
+    std::vector<std::uint8_t> fixed, fixed_curves; // patches and curves that stay, as of Operators
+    int passes = 12;                               // greatest number of sweeps over all tets that fall short
     long kicks = 4000;  // tries of the iterated local search in vain after which it stops; fewer where much is bad
     bool hurry = false; // whether it should stop soon where the goal is not reached: there are other ways to go on
     /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
@@ -26,7 +27,7 @@ struct SearchOptions {
 
 struct SearchOutcome {
     int bad = 0;
-    std::vector<int> stuck; // the bad tets of the complex, once the search has ended
+    std::vector<int> stuck; // the bad tets of the complex once the search has ended, but for those that are ruled out
     int passes = 0;
     long kicks = 0;
     long accepted = 0;

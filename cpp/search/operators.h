@@ -56,6 +56,10 @@ class Operators {
     /// Whether surface edges may be flipped, and split.
     bool flip_surface = true;
     bool split_surface = true;
+    /// Per patch whether its facets stay whatever other facets do; those beyond the end do not.
+    std::vector<std::uint8_t> fixed;
+    /// The same per curve of its edges.
+    std::vector<std::uint8_t> fixed_curves;
     /// New edges stay within these multiples of the wanted size.
     double shortest = 0.35;
     double longest = 2.2;
@@ -66,6 +70,10 @@ class Operators {
     /// Whether so many fresh tets may take the place of those that go.
     bool has_room(std::size_t gone, std::size_t fresh) const {
         return fresh <= gone || fresh - gone <= most - std::min(most, complex_.tets());
+    }
+    bool fixes(int patch) const { return static_cast<std::size_t>(patch) < fixed.size() && fixed[patch] != 0; }
+    bool fixes_curve(int curve) const {
+        return static_cast<std::size_t>(curve) < fixed_curves.size() && fixed_curves[curve] != 0;
     }
     struct Fan {
         std::vector<int> polygon;

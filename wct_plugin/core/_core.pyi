@@ -151,12 +151,14 @@ class ResampledArrays(SurfaceArrays):
     """(m,) index of the region"""
     size: NDArray[np.float64]
     """(n,) edge length wanted at the point"""
+    held: NDArray[np.int64]
+    """(n,) the held point that it is, or -1"""
     exposed: NDArray[np.int64]
     pinched: NDArray[np.int64]
     """Points where the result is no manifold; both empty if all went well."""
     intact: bool
-    """No such points but corners, no facet that cuts across from one planar patch to another, and the Euler
-    characteristic of every region as in the mesh."""
+    """No such points but corners, no facet that cuts across from one planar patch to another, the Euler characteristic
+    of every region as in the mesh, and all held facets."""
     lost: NDArray[np.int64]
     """Points where the domain is not represented, but for corners; -1 for one of no tet."""
     stats: dict[str, Any]
@@ -171,7 +173,7 @@ class SearchedArrays(SurfaceArrays):
     bad: int
     """Tets that miss the goal, or are at a facet beyond the tolerance."""
     stuck: NDArray[np.int64]
-    """(bad,) which tets those are"""
+    """(s,) which tets those are, but for those on a facet that is ruled out"""
     passes: int
     kicks: int
     accepted: int
@@ -245,6 +247,13 @@ def resample(
     kept_label: NDArray[np.int64] | None = None,
     anew_at: NDArray[np.float64] | None = None,
     anew_radius: NDArray[np.float64] | None = None,
+    held_points: NDArray[np.float64] | None = None,
+    held_stratum: NDArray[np.int64] | None = None,
+    held_label: NDArray[np.int64] | None = None,
+    held_facets: NDArray[np.int64] | None = None,
+    held_patch: NDArray[np.int64] | None = None,
+    held_edges: NDArray[np.int64] | None = None,
+    held_curves: NDArray[np.int64] | None = None,
     cosines: bool = True,
     seed: int = 1,
     progress: Callable[[float, int], Any] | None = None,
@@ -264,6 +273,9 @@ def resample(
     (k, 3), ``finer_size`` (k,): edges are no longer than this round these places. ``kept_points`` (k, 3),
     ``kept_stratum``, ``kept_label`` (k,): the points of a mesh, with the patch, curve, surface point or, inside, region
     of each; they stay, but for those within ``anew_radius`` (z,) of ``anew_at`` (z, 3), and what is beside moves.
+    ``held_points`` (h, 3), ``held_stratum``, ``held_label`` (h,) in the same way, ``held_facets`` (g, 3) between them,
+    running as the surface's triangles do, and ``held_patch`` (g,): the facets of some patches, all of them, that are to
+    be in the mesh; ``held_edges`` (e, 2) in the same way of ``held_curves`` (c,).
     ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may be, in widths
     of the gap. ``flat``, a length: as far off a plane or line vertices may be that count as on it, if that is more than
     1e-9 of its extent. ``expected(tets)`` hears about how many tets there will be, before any is made, but for a mesh
@@ -374,6 +386,8 @@ def search_well_centered(
     seed: int,
     progress: Callable[[str, float, int], Any] | None = None,
     ruled_out: NDArray[np.int64] | None = None,
+    fixed: NDArray[np.int64] | None = None,
+    fixed_curves: NDArray[np.int64] | None = None,
     loose: NDArray[np.int64] | None = None,
     worth: float = ...,
     flat: float = 0.0,
@@ -396,7 +410,8 @@ def search_well_centered(
     ``split_surface`` say whether surface facets may be flipped, and crease edges and surface edges split or collapsed.
     At most ``passes`` sweeps and ``kicks`` tries. ``progress(phase, done, bad)`` as in :func:`move_vertices`.
     ``ruled_out`` (r,): rows of ``facets`` on which no tet can meet the goal as long as they stay; only where the
-    surface is neither flipped nor split.
+    surface is neither flipped nor split, or of ``fixed`` (f,) patches, whose vertices stay too. ``fixed_curves``
+    (g,): curves whose edges are not split.
     ``loose`` (l,): curves that are creases by their angle alone. Those of them that are not kept exactly, nor bound a
     planar patch that is, become ordinary surface where tets near them withstand an eighth of the ``kicks``.
     ``flat``: a length, as far off a plane or line the surface's vertices may be where they count as on it, if that is

@@ -1,6 +1,6 @@
 """The local search, from a start that is given or resampled, and from others where it is stuck."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +9,7 @@ from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
 from wct_plugin.meshing.followed_surface import enclosed_volumes
+from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
@@ -29,6 +30,7 @@ _PASSES = 12
 _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
+_FINER_HELD = 2  #: the same beside facets that are held
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -49,19 +51,27 @@ class LocalSearch:
     seed: int
     listen: Listener
     limit: TetLimit
+    held: HeldSurface | None = None  #: patches of a boundary that moves elsewhere
+    fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
+    firm: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: creases never given up
 
     @property
     def worth(self) -> float:
         """Evaluations per tet, after which kicks may be given up."""
-        return _WORTH[self.boundary] * self.effort
+        return _WORTH["keep" if self.held is not None else self.boundary] * self.effort
 
     def run(self, start: SearchMesh, on: Reference, tolerance: Tolerance, worth: float = np.inf) -> "SearchedArrays":
         """Search within the tolerance of the surface."""
         fixed = self.boundary == "fixed"
+        rows = np.flatnonzero(np.isin(start["facet_patch"], self.fixed))
+        sides = on.sides[start["facet_patch"][rows]]
+        ruled_out = fixed_facets.ruled_out(start["points"], start["facets"][rows], sides, acute=self.acute)
         return _core.search_well_centered(
             **start,
-            ruled_out=fixed_facets.ruled_out(self.mesh, on.strata, acute=self.acute) if fixed else None,
-            loose=on.strata.soft_curves if self.boundary == "move" else None,
+            ruled_out=rows[ruled_out],
+            fixed=self.fixed,
+            fixed_curves=None if self.held is None else self.held.all_curves(on),
+            loose=self._loose(on) if self.boundary == "move" else None,
             worth=worth,
             flat=on.flat,
             volumes=_volumes(on) if self.boundary == "move" else None,
@@ -98,6 +108,7 @@ class LocalSearch:
         """
         if self.listen.stopped:
             return None
+        held = self.held
         found = _core.resample(
             on.points,
             on.strata.triangles,
@@ -121,6 +132,13 @@ class LocalSearch:
             kept_label=restart and restart.label,
             anew_at=restart and restart.at,
             anew_radius=restart and restart.radius,
+            held_points=held and held.points,
+            held_stratum=held and held.stratum.astype(np.int64),
+            held_label=held and held.label,
+            held_facets=held and held.facets,
+            held_patch=held and held.patch,
+            held_edges=held and held.edges,
+            held_curves=held and held.curves,
             cosines=self.acute,
             seed=self.seed + 1 + attempt,
             progress=self.listen.resample,
@@ -129,12 +147,13 @@ class LocalSearch:
         if self.listen.stopped or not self.limit.takes(len(found["tets"])):
             return None
         stratum = found["stratum"]
-        pinned = (stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)
+        stays = found["held"] >= 0
+        pinned = ((stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)) | stays
         start: SearchMesh = {
             "points": found["points"],
             "tets": found["tets"],
             "regions": found["region"],
-            "stratum": stratum,
+            "stratum": np.where(stays, 3, stratum).astype(np.int8),
             "label": np.where(pinned, -1, found["label"]),
             "size": found["size"],
             "facets": found["facets"],
@@ -144,7 +163,11 @@ class LocalSearch:
         }
         if restart is not None:
             again = stitched(start, found["lost"], restart.old)
-            return again if again is not None and self.limit.takes(len(again["tets"])) else None
+            if again is None or not self.limit.takes(len(again["tets"])):
+                return None
+            if held is None:
+                return again
+            return held.pinned(again) if held.is_in(again, held.fixed) else None
         touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
         if not found["intact"] or (stratum[touching] < 3).any():
             return None
@@ -152,7 +175,7 @@ class LocalSearch:
             own_pinches = pinched(on.strata.triangles, len(on.points))
             if not own_pinches[found["label"][touching]].all():
                 return None
-        return start
+        return start if held is None or held.is_in(start, np.unique(held.patch)) else None
 
     def run_finer(
         self, start: SearchMesh, on: Reference, tolerance: Tolerance, size: Floats | None
@@ -167,12 +190,12 @@ class LocalSearch:
             found = self.run(start, self._without(on, gone), tolerance, worth)
             found["released"] = np.union1d(gone, found["released"])
             tried.append(found)
-            if found["bad"] == 0 or self.listen.stopped or worth == np.inf:
+            if not len(found["stuck"]) or self.listen.stopped or worth == np.inf:
                 return tried
             fewest = best(tried)
-            finer = finer.about(fewest["points"][fewest["tets"][fewest["stuck"]]])
+            finer = finer.about(fewest["points"][self._free(fewest)])
             again = None
-            if len(tried) <= _FINER:
+            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
                 gone = fewest["released"]
                 again = self._partial_restart(self._without(on, gone), tolerance, size, finer, tried)
                 if again is None:
@@ -196,11 +219,25 @@ class LocalSearch:
         fewest = best(tried)
         vain = len(tried) - 1 - [one["bad"] for one in tried].index(fewest["bad"])
         for wider in range(_PARTIAL_RESTARTS):
-            restart = PartialRestart.of(fewest, vain + wider)
+            restart = PartialRestart.of(fewest, vain + wider, held=self.held is not None)
             start = restart and self.resampled(on, tolerance, size, finer, restart, len(tried))
             if start is not None:
                 return start
         return None
+
+    def _free(self, found: "SearchedArrays") -> Ints:
+        """(s, 4) the stuck tets that shorter edges may help, as they do not beside facets that are held."""
+        stuck = found["tets"][found["stuck"]]
+        if self.held is None:
+            return stuck
+        pinned = (found["stratum"] == 3) & (found["label"] < 0)
+        free: Ints = stuck[~pinned[stuck].any(axis=1)]
+        return free
+
+    def _loose(self, on: Reference) -> Ints:
+        """Creases that the search may give up."""
+        soft = np.setdiff1d(on.strata.soft_curves, self.firm)
+        return soft if self.held is None else np.setdiff1d(soft, self.held.all_curves(on))
 
     def _without(self, on: Reference, creases: Ints) -> Reference:
         return without(on, creases, self.mesh.nodes.vertices.ravel())

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
-from wct_plugin.types import Floats, Ints
+from wct_plugin.types import Bools, Floats, Ints
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin.core._core import SearchedArrays
@@ -41,8 +41,10 @@ class ShorterEdges(NamedTuple):
 #: grows each time in vain.
 _RADIUS = 1.4
 _GROWTH = 1.4
-#: Share of stuck tets up to which the rest is worth keeping.
+#: Share of stuck tets up to which the rest is worth keeping: more beside facets that are held, with which shorter edges
+#: do not go.
 _FEW = 0.002
+_FEW_HELD = 0.02
 
 
 class PartialRestart(NamedTuple):
@@ -56,23 +58,32 @@ class PartialRestart(NamedTuple):
     old: "SearchedArrays"  #: where they are from
 
     @classmethod
-    def of(cls, found: "SearchedArrays", vain: int) -> Self | None:
+    def of(cls, found: "SearchedArrays", vain: int, *, held: bool = False) -> Self | None:
         """A search's result, to be made anew where it is stuck; None where too much of it is.
 
-        ``vain``: how often that has brought nothing.
+        ``vain``: how often that has brought nothing. ``held``: whether facets of the surface are.
         """
         tets, stuck = found["tets"], found["stuck"]
-        if len(stuck) > _FEW * len(tets):
+        if len(stuck) > (_FEW_HELD if held else _FEW) * len(tets):
             return None
-        region = np.empty(len(found["points"]), dtype=np.int64)
-        region[tets.ravel()] = np.repeat(found["regions"], 4)
-        keep = (found["stratum"] < 3) | (found["label"] >= 0)  # but for corners that do not move anyway
         at, edge = middles(found["points"][tets[stuck]])
+        return cls.around(found, at, _GROWTH**vain * edge)
+
+    @classmethod
+    def around(cls, found: "SearchedArrays", at: Floats, edge: Floats) -> Self:
+        """A search's result, to be made anew round some places ``at`` (z, 3), where edges are so long (z,)."""
+        region = np.empty(len(found["points"]), dtype=np.int64)
+        region[found["tets"].ravel()] = np.repeat(found["regions"], 4)
+        keep = (found["stratum"] < 3) | (found["label"] >= 0)  # but for corners that do not move anyway
         return cls(
             found["points"][keep],
             found["stratum"][keep].astype(np.int64),
             np.where(found["stratum"] > 0, found["label"], region)[keep],
             at,
-            _RADIUS * _GROWTH**vain * edge,
+            _RADIUS * edge,
             found,
         )
+
+    def without(self, points: Bools) -> Self:
+        """But for some of the points, given as a mask (k,)."""
+        return self._replace(points=self.points[~points], stratum=self.stratum[~points], label=self.label[~points])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
 from wct_plugin.meshing.reference import Reference
-from wct_plugin.types import Floats, Ints
+from wct_plugin.types import Bools, Floats, Ints
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin.core._core import RefilledArrays, SearchedArrays
@@ -30,18 +30,19 @@ class SearchMesh(TypedDict):
     crease_curve: Ints
 
 
-def from_mesh(mesh: TetMesh, own: Reference, *, pinned: bool) -> SearchMesh:
-    """The mesh itself; ``pinned``: its surface vertices stay where they are."""
+def from_mesh(mesh: TetMesh, own: Reference, *, pinned: Bools | bool) -> SearchMesh:
+    """The mesh itself; ``pinned`` (n,): which of its surface vertices stay where they are, or whether all do."""
     edges = mesh.topology.edges
     length = np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1)
     ends = edges.ravel()
     stratum = own.strata.stratum
+    stays = (stratum > 0) & pinned
     return {
         "points": mesh.points,
         "tets": mesh.tets,
         "regions": np.searchsorted(own.regions, mesh.regions),
-        "stratum": np.where(stratum > 0, 3, 0).astype(np.int8) if pinned else stratum,
-        "label": np.full(len(stratum), -1) if pinned else own.strata.label,
+        "stratum": np.where(stays, 3, stratum).astype(np.int8),
+        "label": np.where(stays, -1, own.strata.label),
         "size": np.bincount(ends, np.repeat(length, 2)) / np.bincount(ends),
         "facets": own.strata.triangles,
         "facet_patch": own.strata.patch,

@@ -21,6 +21,7 @@ from wct_plugin.mesh.strata import Strata
 from wct_plugin.obstructions import fixed_facets, fixed_vertices, interior_links, surface_links
 from wct_plugin.obstructions.reason import Reason
 from wct_plugin.obstructions.stars import Stars
+from wct_plugin.types import Bools
 
 Goal = Literal["3wc", "2wc", "cwc"]
 Boundary = Literal["fixed", "keep", "move", "slide"]
@@ -39,16 +40,19 @@ def find_reasons(
     goal: Goal,
     boundary: Boundary,
     connectivity: Connectivity,
+    fixed: Bools | None = None,
 ) -> list[Reason]:
     """All reasons found why tets cannot meet ``goal``, each with tets of which at least one never does.
 
     ``bad`` (k,) are the tets that miss it now. ``boundary`` as in the filters: facets stay (fixed), vertices stay
-    (keep), they slide on their own patch or crease (slide) or are replaced (move).
+    (keep), they slide on their own patch or crease (slide) or are replaced (move). ``fixed`` (t,): which triangles of
+    the surface stay whatever the others may do.
     """
     if connectivity == "free":
-        if boundary != "fixed":
-            return []
-        return fixed_facets.reasons(mesh, of, acute=goal != "3wc", frees="boundary=keep or move")
+        acute, frees = goal != "3wc", "boundary=keep or move"
+        if boundary == "fixed":
+            return fixed_facets.reasons(mesh, of, acute=acute, frees=frees)
+        return [] if fixed is None else fixed_facets.reasons(mesh, of, fixed, acute=acute, frees=f"{frees} there")
     if boundary == "slide":
         stay, frees = of.stratum == 3, RECONNECT
     else:

@@ -33,7 +33,7 @@ from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.strata import Strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
 from wct_plugin.obstructions.reason import Reason
-from wct_plugin.types import Bools, Ints
+from wct_plugin.types import Bools, Floats, Ints
 
 NOT_ACUTE = "a fixed facet is not acute, so no tet on it is completely well-centered"
 NO_ROOM = (
@@ -54,16 +54,17 @@ class _Blocked:
     pairs: Ints  #: (p, 4) two sides on which not both tets can
 
 
-def reasons(mesh: TetMesh, of: Strata, *, acute: bool, frees: str) -> list[Reason]:
-    """Why tets on the surface facets of ``of``, which stay as they are, cannot all meet the goal.
+def reasons(mesh: TetMesh, of: Strata, stay: Bools | None = None, *, acute: bool, frees: str) -> list[Reason]:
+    """Why tets on the surface facets of ``of`` that ``stay`` (t,) as they are, by default all, cannot meet the goal.
 
     ``acute``: the goal includes acute facets.
     """
-    sides = _sides(mesh, of.triangles)
-    longest = _longest_edges(mesh, of.triangles)
-    names = list(map(tuple, np.sort(of.triangles, axis=1).tolist()))
+    rows = np.ones(len(of.triangles), dtype=bool) if stay is None else stay
+    sides, triangles = _sides(mesh, of.triangles)[rows], of.triangles[rows]
+    longest = _longest_edges(mesh.points, triangles)
+    names = list(map(tuple, np.sort(triangles, axis=1).tolist()))
     edges = list(map(tuple, np.sort(longest[:, :2], axis=1).tolist()))
-    found = _blocked(mesh, of.triangles, sides, longest, acute=acute)
+    found = _blocked(mesh.points, triangles, sides, longest, acute=acute)
     tets = sides.tolist()
     if acute:
         behind = np.unique(found.alone[:, 0]).tolist()
@@ -75,19 +76,21 @@ def reasons(mesh: TetMesh, of: Strata, *, acute: bool, frees: str) -> list[Reaso
     return out
 
 
-def ruled_out(mesh: TetMesh, of: Strata, *, acute: bool) -> Ints:
-    """Rows of ``of.triangles`` with a reason on every side that has a tet, as long as the facet stays."""
-    sides = _sides(mesh, of.triangles)
-    found = _blocked(mesh, of.triangles, sides, _longest_edges(mesh, of.triangles), acute=acute)
+def ruled_out(points: Floats, triangles: Ints, sides: Ints, *, acute: bool) -> Ints:
+    """Rows of ``triangles`` (t, 3) with a reason on every side that has a tet, as long as all of these facets stay.
+
+    ``sides`` (t, 2): what is behind each and in front of it, a tet or a region, -1 for nothing.
+    """
+    found = _blocked(points, triangles, sides, _longest_edges(points, triangles), acute=acute)
     open_to_some = sides >= 0
     for blocked in (found.alone, found.pairs[:, :2], found.pairs[:, 2:]):
         open_to_some[blocked[:, 0], blocked[:, 1]] = False
     return np.flatnonzero(~open_to_some.any(axis=1))
 
 
-def _longest_edges(mesh: TetMesh, triangles: Ints) -> Ints:
+def _longest_edges(points: Floats, triangles: Ints) -> Ints:
     """(t, 3) the triangles, turned so that the first two are the edge opposite an angle that is not acute, else -1."""
-    right = exact_signs(predicates.corners, mesh.points, triangles).values < 1
+    right = exact_signs(predicates.corners, points, triangles).values < 1
     apex = np.argmax(right, axis=1)
     turned: Ints = np.take_along_axis(triangles, (apex[:, None] + [1, 2, 3]) % 3, axis=1)
     turned[~right.any(axis=1)] = -1
@@ -111,16 +114,16 @@ def _sides(mesh: TetMesh, triangles: Ints) -> Ints:
     return np.concatenate([np.column_stack([outer, np.full(len(outer), -1)]), between, pairs[:, [0, 2]]])
 
 
-def _blocked(mesh: TetMesh, triangles: Ints, sides: Ints, longest: Ints, *, acute: bool) -> _Blocked:
+def _blocked(points: Floats, triangles: Ints, sides: Ints, longest: Ints, *, acute: bool) -> _Blocked:
     rows = np.flatnonzero(longest[:, 0] >= 0)
     if acute:
         there = np.argwhere(sides[rows] >= 0)
         return _Blocked(np.column_stack([rows[there[:, 0]], there[:, 1]]), np.empty((0, 4), dtype=np.int64))
-    one, other, same_way = _at_one_edge(mesh, triangles, longest, rows)
+    one, other, same_way = _at_one_edge(len(points), triangles, longest, rows)
     apex = triangles[other].sum(axis=1) - longest[one, :2].sum(axis=1)
     cells = np.column_stack([longest[one], apex])
-    above = exact_signs(predicates.volume, mesh.points, cells).values[:, 0]
-    near = exact_signs(predicates.fold, mesh.points, cells).values[:, 0]
+    above = exact_signs(predicates.volume, points, cells).values[:, 0]
+    near = exact_signs(predicates.fold, points, cells).values[:, 0]
     alone, pairs = [], []
     for side, towards in enumerate((-1, 1)):
         there = sides[one, side] >= 0
@@ -135,14 +138,14 @@ def _blocked(mesh: TetMesh, triangles: Ints, sides: Ints, longest: Ints, *, acut
     return _Blocked(np.unique(np.concatenate(alone), axis=0), np.concatenate(pairs))
 
 
-def _at_one_edge(mesh: TetMesh, triangles: Ints, longest: Ints, rows: Ints) -> tuple[Ints, Ints, Bools]:
+def _at_one_edge(count: int, triangles: Ints, longest: Ints, rows: Ints) -> tuple[Ints, Ints, Bools]:
     """Pairs of facets: one of ``rows``, another one at its longest edge; and whether both run through it one way."""
-    edges, owners, starts, sizes, forward = surface_edges(triangles, len(mesh.points))
-    scale = [len(mesh.points), 1]
+    edges, owners, starts, sizes, forward = surface_edges(triangles, count)
+    scale = [count, 1]
     edge = np.searchsorted(edges @ scale, np.sort(longest[rows, :2], axis=1) @ scale)
-    count = sizes[edge]
-    at = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count - starts[edge], count)
-    one = np.repeat(rows, count)
+    around = sizes[edge]
+    at = np.arange(around.sum()) - np.repeat(np.cumsum(around) - around - starts[edge], around)
+    one = np.repeat(rows, around)
     other = owners[at]
     own_way = longest[one, 0] < longest[one, 1]
     apart = one != other

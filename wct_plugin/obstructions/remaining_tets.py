@@ -12,6 +12,7 @@ from wct_plugin.mesh.strata import Strata
 from wct_plugin.mesh.triangle_surfaces import bends
 from wct_plugin.obstructions import RECONNECT, Boundary, Connectivity, Goal, Reason, find_reasons
 from wct_plugin.obstructions.reason import name
+from wct_plugin.types import Bools
 
 #: Class of a tet, by the highest stratum among its vertices.
 CLASSES = ("interior", "patch", "crease", "corner")
@@ -67,8 +68,12 @@ def list_remaining(
     crease_angle: float,
     stopped: bool,
     connectivity: Connectivity = "free",
+    fixed: Bools | None = None,
 ) -> Remaining:
-    """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine."""
+    """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine.
+
+    The options as of :func:`wct_plugin.obstructions.find_reasons`.
+    """
     acute, dual = goal == "cwc", goal in DUAL
     bad = np.flatnonzero(misses(mesh, measured, goal))
     clearance = measured.min_height[bad]
@@ -78,7 +83,7 @@ def list_remaining(
     place = of.stratum[mesh.tets[bad]].max(axis=1, initial=0)
     why = []
     if len(bad) and goal != "delaunay" and goal != "one-sided":
-        why = find_reasons(mesh, of, bad, goal=goal, boundary=boundary, connectivity=connectivity)
+        why = find_reasons(mesh, of, bad, goal=goal, boundary=boundary, connectivity=connectivity, fixed=fixed)
     proofs: dict[int, Reason] = {}
     for reason in why:
         for tet in reason.tets:
