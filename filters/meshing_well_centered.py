@@ -184,7 +184,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             )
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
-        pairs = find_periodic(normalized)
+        # Pairs that are only found give way to what was asked for.
+        pairs = find_periodic(normalized) if surface is None and isinstance(self.options.boundary, str) else []
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
         periodic = None
@@ -240,6 +241,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
+<<<<<<< HEAD
             exact = planes.precision(surface.points, unit)
             reference, reason = own, "facets of it stay, or match others"
             if kept is None and periodic is None:
@@ -251,6 +253,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 reference = own
             else:
                 reference, plane = planes.straightened(reference, exact)
+=======
+            reference, reason = own, "facets of it stay"
+            if kept is None:
+                reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
+>>>>>>> fixed
         tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
         if surface is not None and reason:
             warnings.warn(
