@@ -241,10 +241,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
-<<<<<<< HEAD
             exact = planes.precision(surface.points, unit)
-            reference, reason = own, "facets of it stay, or match others"
-            if kept is None and periodic is None:
+            reference, reason = own, "facets of it stay"
+            if kept is None:
                 reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance, exact)
         straight, plane = periodic.mesh if periodic else mesh, None
         if moves and options.planes == "exact" and kept is None and periodic is None:
@@ -253,11 +252,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 reference = own
             else:
                 reference, plane = planes.straightened(reference, exact)
-=======
-            reference, reason = own, "facets of it stay"
-            if kept is None:
-                reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance)
->>>>>>> fixed
         tolerance = held = (options.tolerance or reference.auto_tolerance()) * diagonal
         if surface is not None and reason:
             warnings.warn(
@@ -558,12 +552,18 @@ def _warn_of_fault(fault: str) -> None:
 def _with_pairs(
     periodic: PeriodicSurface, search: LocalSearch, tried: "list[SearchedArrays]", tolerance: Tolerance
 ) -> "list[SearchedArrays]":
-    """What was found, with pairs that match; as it is, with a warning, where there is no such mesh."""
+    """What was found with pairs that match; as it was, with a warning, where that cannot be, or has more bad tets."""
     try:
-        return periodic.matched(search, best(tried), tolerance)
+        matched = periodic.matched(search, best(tried), tolerance)
     except Unmatched as why:
         warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=5)
         return tried
+    bad, least = best(matched)["bad"], best(tried)["bad"]
+    if bad > least:
+        said = f"periodic pairs of facets were not made to match: {bad} tets would miss the goal, without {least}"
+        warnings.warn(said, WctWarning, stacklevel=5)
+        return tried
+    return matched
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:
