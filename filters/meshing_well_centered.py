@@ -102,6 +102,9 @@ class MeshingOptions(Options):
     allow_released: bool = Field(
         False, description="Accept that creases which leave well-centered tets no place become ordinary surface"
     )
+    periodic: bool = Field(
+        False, description="Sides that are translates of each other, as a periodic cell's are, match again"
+    )
     force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
     @field_validator("boundary", mode="before")
@@ -142,8 +145,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     curved does. Of the other creases, those that their angle alone makes and that hold tets back for long become
     ordinary surface within the tolerance, as on scans.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets;
-    where only some groups of facets stay, all else is resampled round them. Sides that are translates of each other, as
-    those of a periodic cell, match again.
+    where only some groups of facets stay, all else is resampled round them. With ``periodic``, sides that are
+    translates of each other match again, vertex for vertex.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
@@ -184,12 +187,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             )
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
-        # Pairs that are only found give way to what was asked for.
-        pairs = find_periodic(normalized) if surface is None and isinstance(self.options.boundary, str) else []
+        pairs = find_periodic(normalized)
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
         periodic = None
-        if pairs and choices.word == "move" and self.options.goal not in DUAL:
+        if self.options.periodic and pairs and choices.word == "move" and self.options.goal not in DUAL:
             try:
                 periodic = PeriodicSurface(normalized, pairs, self.options.boundary, self.options.crease_angle)
             except Unmatched as why:
@@ -206,8 +208,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
         if found.mesh is not normalized:
             better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
-            if gone := len(pairs) - len(find_periodic(found.mesh)):
-                warnings.warn(f"{gone} of {len(pairs)} periodic pairs of facets are lost", WctWarning, stacklevel=3)
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         result = self._judge(mesh, own, better, found, followed, tolerance)
@@ -216,6 +216,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             **found.work,
             "tolerance": tolerance / (surface or mesh).diagonal,
             "default_tolerance": self.options.tolerance is None,
+            "periodic": {"before": len(pairs), "after": len(find_periodic(found.mesh))} if pairs else None,
         }
 
     def _well_center(
