@@ -10,9 +10,11 @@ from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.meshing import per_group
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.local_search import LocalSearch
+from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import own_boundary
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
+from wct_plugin.meshing.tet_limit import TetLimit
 
 FACES = ((0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0))
 
@@ -120,13 +122,14 @@ def test_a_partial_restart_keeps_the_fixed_face(acute, monkeypatch):
     stays[own.strata.patch[(acute.points[own.strata.triangles][:, :, 0] == 0).all(axis=1)]] = True
     held = HeldSurface.of(own, stays, stays)
     listen = Listener(lambda _: True, 0)
-    search = LocalSearch(acute, "move", True, 0.02, 1, 0, listen, held, np.flatnonzero(stays))
-    start = search.resampled(own, 1e-3, None)
-    found = search.run(start, own, 1e-3)
+    fixed, within = np.flatnonzero(stays), Tolerance(1e-3)
+    search = LocalSearch(acute, "move", True, 0.02, 1, 0, listen, TetLimit(None, listen), held, fixed)
+    start = search.resampled(own, within, None)
+    found = search.run(start, own, within)
     corner = found["points"][found["tets"]].mean(axis=1).sum(axis=1).argmin()  # beside the face
     again = search.resampled(
         own,
-        1e-3,
+        within,
         None,
         ShorterEdges.nowhere().about(found["points"][found["tets"][[corner]]]),
         PartialRestart.of({**found, "stuck": np.array([corner])}, 0)._replace(radius=np.array([0.4])),
