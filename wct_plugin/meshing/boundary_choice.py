@@ -38,6 +38,14 @@ def parse(value: Any) -> Any:
     return value
 
 
+def in_part(wanted: Boundary, part: TetMesh) -> Boundary:
+    """What is wanted of the groups that a part of a mesh has."""
+    if isinstance(wanted, str):
+        return wanted
+    there = {per_group.REST, *part.names, *part.facets.sets, *map(str, np.unique(part.facets.tags).tolist())}
+    return {group: choice for group, choice in wanted.items() if group in there}
+
+
 class PatchChoices:
     """Which patches of the surface move, keep their vertices, or their facets too."""
 
