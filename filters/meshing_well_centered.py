@@ -214,12 +214,17 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         progress: ProgressCallback,
         *,
         tangled: bool,
+        cell: bool = True,
     ) -> "tuple[Reference, TetMesh, _Found]":
-        """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
+        """The mesh's own surface, the mesh made anew, or as it came, and what that took.
+
+        ``cell``: whether sides that are found to be translates are made to match.
+        """
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
         # Pairs that are only found give way to what was asked for.
-        pairs = find_periodic(normalized) if surface is None and isinstance(self.options.boundary, str) else []
+        found_only = cell and surface is None and isinstance(self.options.boundary, str)
+        pairs = find_periodic(normalized) if found_only else []
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
         periodic = None
@@ -273,16 +278,21 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             one.options = self.options.model_copy(
                 update={
                     "tolerance": tolerance / (reference or part).diagonal,
-                    "boundary": boundary_choice.in_part(self.options.boundary, part),
+                    "boundary": boundary_choice.in_part(self.options.boundary, part, coincident.SHEETS),
                     "max_tets": most,
                 }
             )
             size = None if wanted is None else wanted[points]
-            _, new, found = one._whole(given, reference, size, progress, tangled=tangled)
+            cell = not zipped.in_contact
+            _, new, found = one._whole(given, reference, size, progress, tangled=tangled, cell=cell)
             made.append(new)
             works.append(found.work)
             changed |= new is not given
         better = replace(zipped.unzipped(made) if changed else mesh, reference=surface)
+        before, after = (sum(pair.translation.any() for pair in find_periodic(one)) for one in (mesh, better))
+        if after < before:
+            said = f"{before - after} of {before} pairs of sides that are translates do not match any more"
+            warnings.warn(f"{said}, as the mesh has coincident points", WctWarning, stacklevel=3)
         measured = quality.measure(unit_scaling.scaled(better, -unit))
         work = parts_work.together(works, [(reference or part).diagonal / diagonal for part, _ in zipped.parts])
         return own, better, _Found(better, measured, math.ldexp(tolerance, -unit), work, own)

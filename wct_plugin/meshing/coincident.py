@@ -22,12 +22,14 @@ from wct_plugin.mesh.index_arrays import components, distinct_rows, find_rows
 from wct_plugin.mesh.topology import EDGES, FACETS
 from wct_plugin.mesh.triangle_surfaces import normals
 from wct_plugin.meshing.transfer import locate
-from wct_plugin.types import Floats, Ints
+from wct_plugin.types import Bools, Floats, Ints
 
 Merge = Literal["auto", "none", "all"]
 
-#: Sets of facets that only live between zipping and unzipping: all pairs, and one per side, tag and sets of the facets.
+#: Sets of facets that only live between zipping and unzipping: all pairs, sheets, and one per side, tag and sets of the facets.
 _PAIRS = "\0pairs"
+#: Those that are sheets inside a region: they stay, as facets with no corner off a rim inside a body would be closed.
+SHEETS = "\0sheets"
 _SIDE = "\0side {}"
 #: As far into its tet, as a part of the way to the centroid, a vertex is looked up on its own side of a crack.
 _INWARD = 1e-3
@@ -64,11 +66,12 @@ class Zipped:
         self._first = boundary[pairs[:, 0]]
         piece = mesh.topology.components
         body = np.unique(np.column_stack([mesh.regions, piece]), axis=0, return_inverse=True)[1].reshape(-1)
-        apart = bool((body[half[pairs[:, 0], 0]] != body[half[pairs[:, 1], 0]]).any())
-        regions = body if apart else distinct_rows(mesh.regions[:, None])
+        sheet = body[half[pairs[:, 0], 0]] == body[half[pairs[:, 1], 0]]
+        regions = distinct_rows(mesh.regions[:, None]) if sheet.all() else body
+        self.in_contact = len(pairs) == 0 or not sheet.all()  #: whether there are bodies rather than cracks in one
         self._regions = np.zeros(int(regions.max()) + 1, dtype=np.int64)
         self._regions[regions] = mesh.regions
-        facets, self._groups = _marked(mesh.facets, boundary, pairs, len(mesh.points))
+        facets, self._groups = _marked(mesh.facets, boundary, pairs, sheet, len(mesh.points))
         bare = replace(
             mesh,
             regions=regions,
@@ -281,10 +284,11 @@ def _pairs(mesh: TetMesh, place: Ints) -> Ints:
     corners = place[mesh.topology.boundary]
     of = distinct_rows(np.sort(corners, axis=1))
     rows = np.flatnonzero(np.bincount(of)[of] == 2)
-    rows = rows[np.argsort(of[rows], kind="stable")].reshape(-1, 2)
+    two = rows[np.argsort(of[rows], kind="stable")].reshape(-1, 2)
     a, b, c = corners.T
     turn = (a > b) ^ (a > c) ^ (b > c)
-    return rows[turn[rows[:, 0]] != turn[rows[:, 1]]]
+    facing: Ints = two[turn[two[:, 0]] != turn[two[:, 1]]]
+    return facing
 
 
 def _joined(mesh: TetMesh, place: Ints, pairs: Ints) -> Ints:
@@ -339,7 +343,7 @@ def _without_data(cells: Cells) -> Cells:
     return replace(cells, data={})
 
 
-def _marked(facets: Cells, boundary: Ints, pairs: Ints, count: int) -> tuple[Cells, list[_Group]]:
+def _marked(facets: Cells, boundary: Ints, pairs: Ints, sheet: Bools, count: int) -> tuple[Cells, list[_Group]]:
     """The tagged facets and those of the pairs, in sets that say what each side of a pair had."""
     side = np.full(len(boundary), -1, dtype=np.int64)
     side[pairs] = [0, 1]
@@ -359,6 +363,7 @@ def _marked(facets: Cells, boundary: Ints, pairs: Ints, count: int) -> tuple[Cel
     sets = dict(facets.sets)
     sets |= {_SIDE.format(k): rows[of.reshape(-1) == k] for k in range(len(groups))}
     sets[_PAIRS] = len(facets) + np.arange(len(pairs))
+    sets[SHEETS] = sets[_PAIRS][sheet]
     marked = Cells(
         np.concatenate([facets.vertices, boundary[pairs[:, 0]]]),
         np.concatenate([facets.tags, np.full(len(pairs), tag, dtype=np.int64)]),
