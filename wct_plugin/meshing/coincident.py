@@ -26,7 +26,7 @@ from wct_plugin.types import Bools, Floats, Ints
 
 Merge = Literal["auto", "none", "all"]
 
-#: Sets of facets that only live between zipping and unzipping: all pairs, sheets, and one per side, tag and sets of the facets.
+#: Sets of facets that only live between zipping and unzipping: all pairs, sheets, one per side, tag and sets.
 _PAIRS = "\0pairs"
 #: Those that are sheets inside a region: they stay, as facets with no corner off a rim inside a body would be closed.
 SHEETS = "\0sheets"
@@ -107,7 +107,6 @@ class Zipped:
         facets = self._facets(whole, tets, origin, halves)
         if len(halves):
             self._warn_of_area(whole, halves)
-        copies = np.bincount(origin, minlength=len(whole.points))
         points = whole.points[origin]
         return replace(
             old,
@@ -117,7 +116,7 @@ class Zipped:
             facets=facets,
             edges=_edges(old, self._joined, whole, tets, origin),
             nodes=_nodes(whole.nodes, whole, tets, origin),
-            point_data=self._point_data(whole, tets, origin, copies),
+            point_data=self._point_data(whole, tets, origin, halves),
             cell_data=whole.cell_data,
             point_sets={},
             tet_sets=whole.tet_sets,
@@ -188,22 +187,22 @@ class Zipped:
             {name: np.concatenate(one) for name, one in sets.items()},
         )
 
-    def _point_data(self, whole: TetMesh, tets: Ints, origin: Ints, copies: Ints) -> dict[str, NDArray[Any]]:
-        """Each copy of a vertex has what the old mesh says on its side."""
-        data = {name: values[origin] for name, values in whole.point_data.items()}
-        several = np.flatnonzero(copies[origin] > 1)
-        if not data or not len(several):
-            return data
+    def _point_data(self, whole: TetMesh, tets: Ints, origin: Ints, halves: Ints) -> dict[str, NDArray[Any]]:
+        """What the old mesh says in each place, for each copy of a vertex on its own side of the pairs."""
+        if not whole.point_data or not len(halves):
+            return dict(whole.point_data)
         unit = unit_scaling.exponent(self._old.points)
         old = unit_scaling.scaled(self._old, -unit)
         points = unit_scaling.rescaled(whole.points[origin], -unit)
+        several = np.flatnonzero(np.bincount(origin)[origin] > 1)
         tet_of = np.zeros(len(origin), dtype=np.int64)
         tet_of[tets.ravel()] = np.repeat(np.arange(len(tets)), 4)
         middle = points[tets[tet_of[several]]].mean(axis=1)
-        tet, weights = locate(old, points[several] + _INWARD * (middle - points[several]))
-        for name, values in data.items():
-            values[several] = np.einsum("ij,ij...->i...", weights, self._old.point_data[name][old.tets[tet]])
-        return data
+        points[several] += _INWARD * (middle - points[several])
+        tet, weights = locate(old, points)
+        return {
+            name: np.einsum("ij,ij...->i...", weights, old.point_data[name][old.tets[tet]]) for name in whole.point_data
+        }
 
     def _warn_of_drops(self) -> None:
         old = self._old
