@@ -108,6 +108,9 @@ class MeshingOptions(Options):
     allow_released: bool = Field(
         False, description="Accept that creases which leave well-centered tets no place become ordinary surface"
     )
+    periodic: bool = Field(
+        False, description="Sides that are translates of each other, as a periodic cell's are, match again"
+    )
     force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
     @field_validator("boundary", mode="before")
@@ -148,8 +151,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     curved does. Of the other creases, those that their angle alone makes and that hold tets back for long become
     ordinary surface within the tolerance, as on scans.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets;
-    where only some groups of facets stay, all else is resampled round them. Sides that are translates of each other, as
-    those of a periodic cell, match again.
+    where only some groups of facets stay, all else is resampled round them. With ``periodic``, sides that are
+    translates of each other match again, vertex for vertex.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
@@ -204,6 +207,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             **found.work,
             "tolerance": tolerance / (surface or mesh).diagonal,
             "default_tolerance": self.options.tolerance is None,
+            "periodic": _sides(mesh, better),
         }
 
     def _whole(
@@ -214,17 +218,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         progress: ProgressCallback,
         *,
         tangled: bool,
-        cell: bool = True,
     ) -> "tuple[Reference, TetMesh, _Found]":
-        """The mesh's own surface, the mesh made anew, or as it came, and what that took.
-
-        ``cell``: whether sides that are found to be translates are made to match.
-        """
+        """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
-        # Pairs that are only found give way to what was asked for.
-        found_only = cell and surface is None and isinstance(self.options.boundary, str)
-        pairs = find_periodic(normalized) if found_only else []
+        pairs = find_periodic(normalized) if self.options.periodic else []
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
         periodic = None
@@ -243,8 +241,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
         if found.mesh is not normalized:
             better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
-            if gone := len(pairs) - len(find_periodic(found.mesh)):
-                warnings.warn(f"{gone} of {len(pairs)} periodic pairs of facets are lost", WctWarning, stacklevel=3)
         return own, better, found
 
     def _in_parts(
@@ -283,16 +279,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 }
             )
             size = None if wanted is None else wanted[points]
-            cell = not zipped.in_contact
-            _, new, found = one._whole(given, reference, size, progress, tangled=tangled, cell=cell)
+            _, new, found = one._whole(given, reference, size, progress, tangled=tangled)
             made.append(new)
             works.append(found.work)
             changed |= new is not given
         better = replace(zipped.unzipped(made) if changed else mesh, reference=surface)
-        before, after = (sum(pair.translation.any() for pair in find_periodic(one)) for one in (mesh, better))
-        if after < before:
-            said = f"{before - after} of {before} pairs of sides that are translates do not match any more"
-            warnings.warn(f"{said}, as the mesh has coincident points", WctWarning, stacklevel=3)
         measured = quality.measure(unit_scaling.scaled(better, -unit))
         work = parts_work.together(works, [(reference or part).diagonal / diagonal for part, _ in zipped.parts])
         return own, better, _Found(better, measured, math.ldexp(tolerance, -unit), work, own)
@@ -603,6 +594,14 @@ def _where(mesh: TetMesh, tets: tuple[int, int]) -> str:
     """The place of two tets that overlap."""
     x, y, z = mesh.points[mesh.tets[list(tets)]].mean(axis=(0, 1)).tolist()
     return f"near ({x:.4g}, {y:.4g}, {z:.4g})"
+
+
+def _sides(old: TetMesh, new: TetMesh) -> dict[str, int] | None:
+    """How many pairs of sides are translates of each other, other than by nothing; None where none was."""
+    unit = unit_scaling.exponent(old.points)
+    found = [find_periodic(unit_scaling.scaled(one, -unit)) for one in (old, new)]
+    before, after = (sum(bool(pair.translation.any()) for pair in pairs) for pairs in found)
+    return {"before": before, "after": after} if before else None
 
 
 def _no_crease(own: Reference) -> Released:

@@ -55,7 +55,9 @@ def along(pairs):
 def optimize(mesh, **options):
     with warnings.catch_warnings():
         warnings.simplefilter("error", wct.WctWarning)
-        return wct.apply_filter("meshing_well_centered", mesh, **{"goal": "3wc", "force": True, **options})
+        return wct.apply_filter(
+            "meshing_well_centered", mesh, **{"goal": "3wc", "force": True, "periodic": True, **options}
+        )
 
 
 @pytest.mark.parametrize("axes", [[0], [0, 1], [0, 1, 2]])
@@ -126,6 +128,7 @@ def test_a_fixed_side_fixes_its_translate():
     assert len(sides) == 2 * low.sum()
 
 
-def test_lost_pairs_are_a_warning():
-    with pytest.warns(wct.WctWarning, match="1 of 1 periodic pairs of facets are lost"):
-        wct.apply_filter("meshing_well_centered", box([0]), boundary="keep", goal="cwc")
+def test_without_being_asked_pairs_are_counted():
+    _, found = wct.apply_filter("meshing_well_centered", box([0]), goal="3wc")
+    assert found["periodic"]["before"] == 1
+    assert found["periodic"]["after"] in (0, 1)

@@ -43,7 +43,7 @@ def test_precision_is_that_of_the_file(write, exact, unit):
     assert precision(points / unit, round(np.log2(unit))) == pytest.approx(exact / unit, rel=1e-12)
 
 
-@pytest.mark.parametrize("largest", [0.7, 1.0, 7.0, 70.0])
+@pytest.mark.parametrize("largest", [0.7, 1.0, 1.4, 7.0, 70.0])
 def test_precision_of_significant_digits_is_that_of_the_largest(largest):
     points = largest * np.random.default_rng(1).random((200, 3))
     written = np.array([float(f"{x:.6g}") for x in points.ravel()]).reshape(-1, 3)

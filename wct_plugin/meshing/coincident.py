@@ -68,7 +68,6 @@ class Zipped:
         body = np.unique(np.column_stack([mesh.regions, piece]), axis=0, return_inverse=True)[1].reshape(-1)
         sheet = body[half[pairs[:, 0], 0]] == body[half[pairs[:, 1], 0]]
         regions = distinct_rows(mesh.regions[:, None]) if sheet.all() else body
-        self.in_contact = len(pairs) == 0 or not sheet.all()  #: whether there are bodies rather than cracks in one
         self._regions = np.zeros(int(regions.max()) + 1, dtype=np.int64)
         self._regions[regions] = mesh.regions
         facets, self._groups = _marked(mesh.facets, boundary, pairs, sheet, len(mesh.points))

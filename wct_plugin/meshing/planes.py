@@ -15,7 +15,7 @@ from wct_plugin.types import Bools, Floats, Ints
 #: What counts as noise, as a fraction of the extent, where coordinates have all their digits.
 _NOISE = 1e-9
 #: Coarser coordinates than this fraction of the extent are no rounding: numbers such as 0.25 are meant.
-_COARSEST = 2e-6
+_COARSEST = 6e-6
 #: A patch is a plane where its vertices are within so many precisions of one: rounding three coordinates moves a point
 #: by up to sqrt(3), noise by some standard deviations.
 _WITHIN = 8.0

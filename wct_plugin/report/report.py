@@ -272,11 +272,20 @@ def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
         released_creases.describe(found["released"]) if "released" in found else "",
         planes.describe(found["planes"]) if found.get("planes") else "",
+        _pairs(found["periodic"]) if found.get("periodic") else "",
         describe_tolerance(found["tolerance"], bool(found.get("default_tolerance")), found.get("local_tolerance"))
         if "tolerance" in found
         else "",
     )
     return tuple(filter(None, lines))
+
+
+def _pairs(found: Mapping[str, int]) -> str:
+    """What is said of sides that are translates of each other."""
+    before, after = found["before"], found["after"]
+    if after >= before:
+        return f"{after} pair{'' if after == 1 else 's'} of sides match, vertex for vertex"
+    return f"{before} pairs of sides matched, vertex for vertex; {after} do now (--periodic keeps them)"
 
 
 def _deviation(mesh: TetMesh) -> dict[str, float] | None:
