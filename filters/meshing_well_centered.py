@@ -106,7 +106,9 @@ class MeshingOptions(Options):
     effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
     seed: int = Field(0, ge=0, description="Of the random choices")
     allow_released: bool = Field(
-        False, description="Accept that creases which leave well-centered tets no place become ordinary surface"
+        False,
+        description="Accept, as on scans, that creases which leave well-centered tets no place become ordinary surface,"
+        " and that more of its edges bend",
     )
     periodic: bool = Field(
         False, description="Sides that are translates of each other, as a periodic cell's are, match again"
@@ -411,11 +413,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
 
         ``stopped``: the work was cut short, when its surface may not be near the one that is followed yet.
         """
-        if changes(measure_region_topology(old), measure_region_topology(new)):
-            return "the new mesh has another topology"
         crossed = None if tangled else overlap(new)
         if crossed:
             return f"the new mesh overlaps itself {_where(unit_scaling.scaled(new, unit), crossed)}"
+        if changes(measure_region_topology(old), measure_region_topology(new)):
+            return "the new mesh has another topology"
         if stopped:
             surface = _outer(on)
             allowed = max(tolerance, measure_deviation(old.boundary_surface(), surface, compiled=True).max)
@@ -630,18 +632,12 @@ def _warn_of_fault(fault: str) -> None:
 def _with_pairs(
     periodic: PeriodicSurface, search: LocalSearch, tried: "list[SearchedArrays]", tolerance: Tolerance
 ) -> "list[SearchedArrays]":
-    """What was found with pairs that match; as it was, with a warning, where that cannot be, or has more bad tets."""
+    """What was found with pairs that match; as it was, with a warning, where that cannot be."""
     try:
-        matched = periodic.matched(search, best(tried), tolerance)
+        return periodic.matched(search, best(tried), tolerance)
     except Unmatched as why:
         warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=5)
         return tried
-    bad, least = best(matched)["bad"], best(tried)["bad"]
-    if bad > least:
-        said = f"periodic pairs of facets were not made to match: {bad} tets would miss the goal, without {least}"
-        warnings.warn(said, WctWarning, stacklevel=5)
-        return tried
-    return matched
 
 
 def _has_sheets(mesh: TetMesh, own: Reference) -> bool:

@@ -129,6 +129,7 @@ def test_a_row_reads_runs_and_writes(place):
     assert names(place) == ["ball.ply", "cube.vtu", "out.vtu"]
 
 
+@pytest.mark.filterwarnings("ignore:edges that bend", "ignore:the volume")  # of so coarse a ball
 def test_from_a_surface_to_a_well_centered_mesh_against_it(place):
     mesher = wct.Filter.generate_tetrahedralization(edge_length=0.3, epsilon=0.02, stop_energy=50)
     chain = mesher | wct.Filter.meshing_well_centered(goal="3wc")
@@ -138,7 +139,8 @@ def test_from_a_surface_to_a_well_centered_mesh_against_it(place):
     assert len(result.mesh.reference.triangles) == len(sphere_surface(40).triangles)
     assert found["deviation"] == result.metrics["meshing_well_centered"]["deviation"]
     assert [goal.goal for goal in result.goals] == ["3wc"]
-    assert result.goal_met == (found["3wc"]["count"] == found["tets"])
+    lost = result.metrics["meshing_well_centered"]["losses"]
+    assert result.goal_met == (found["3wc"]["count"] == found["tets"] and not lost)
 
 
 def test_a_pipeline_without_reader_is_applied_to_a_mesh_or_to_any_file(place):

@@ -107,7 +107,7 @@ def optimize(
     console = err if json_path == "-" else out
     for goal in result.goals:  # the last lines say what exit code 1 is for
         if not goal.met:
-            console.print(Text(f"missed: {goal}"), soft_wrap=True)
+            console.print(Text(f"missed: {goal}"))
     return limit.exit_code(result, console)
 
 

@@ -5,7 +5,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.mesh import Cells, TetMesh, unit_scaling
 from wct_plugin.mesh.triangle_surfaces import bends, normals
 from wct_plugin.types import Bools, Floats, Ints
 
@@ -99,7 +99,9 @@ def measure_sharp(old: list[tuple[Floats, Ints]], new: tuple[Floats, Ints], crea
 
 
 def _sizes(points: Floats, cells: Ints) -> Floats:
-    """Areas of triangles (k, 3), lengths of edges (k, 2)."""
+    """Areas of triangles (k, 3), lengths of edges (k, 2), in any unit of length."""
+    unit = unit_scaling.exponent(points)
+    points = unit_scaling.rescaled(points, -unit)
     if cells.shape[1] == 3:
-        return np.asarray(np.linalg.norm(normals(points, cells), axis=1) / 2.0)
-    return np.asarray(np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1))
+        return np.ldexp(np.linalg.norm(normals(points, cells), axis=1) / 2.0, 2 * unit)
+    return np.ldexp(np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1), unit)

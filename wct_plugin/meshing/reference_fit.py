@@ -3,7 +3,6 @@
 import warnings
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from wct_plugin.core import _core
 from wct_plugin.errors import InputError, WctWarning
@@ -42,6 +41,8 @@ def clean(surface: SurfaceMesh, exact: float = 0.0) -> SurfaceMesh:
 
     Raises :class:`InputError` where all of them are flat.
     """
+    from scipy.spatial import cKDTree  # here: importing a filter to see its options should not take it
+
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
     # Rounding moves each coordinate by a step of twice that at most.
     pairs = cKDTree(points).query_pairs(2.0 * np.sqrt(3.0) * exact, output_type="ndarray")
