@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
 
@@ -29,7 +30,7 @@ from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.periodic import find_periodic
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.triangle_surfaces import surface_edges
-from wct_plugin.meshing import boundary_choice, conforming, edge_length, planes, search_mesh
+from wct_plugin.meshing import boundary_choice, coincident, conforming, edge_length, parts_work, planes, search_mesh
 from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.followed_surface import enclosed_volumes, stretch
@@ -94,6 +95,11 @@ class MeshingOptions(Options):
     planes: Literal["exact", "input"] = Field(
         "exact",
         description="exact: what is plane but for the rounding of a file becomes plane; input: all stays as it came",
+    )
+    merge: coincident.Merge = Field(
+        "auto",
+        description="Points that coincide exactly: auto: facets that do match again, other points stay apart; none: all"
+        " stay apart; all: all are joined",
     )
     max_tets: int | None = Field(None, ge=1, description="Most tets that the new mesh may have (none: any number)")
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
@@ -174,6 +180,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         unit_scaling.check(mesh)
+        if self.options.merge == "all":
+            mesh = coincident.merged(mesh)
+        zipped = coincident.zip_up(mesh, self.options.merge)
         surface = self._surface or mesh.reference
         if surface:
             unit_scaling.check_reference(surface, mesh)
@@ -188,28 +197,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 stacklevel=3,
             )
         unit = unit_scaling.exponent(mesh.points)
-        normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
-        pairs = find_periodic(normalized)
-        own = own_boundary(normalized, self.options.crease_angle)
-        choices = PatchChoices(self.options.boundary, mesh, own.strata)
-        periodic = None
-        if self.options.periodic and pairs and choices.word == "move" and self.options.goal not in DUAL:
-            try:
-                periodic = PeriodicSurface(normalized, pairs, self.options.boundary, self.options.crease_angle)
-            except Unmatched as why:
-                warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=3)
-            else:
-                own, choices = periodic.own, periodic.choices
-        if self.options.goal in DUAL:
-            found = self._conform(normalized, own, choices, unit, progress, tangled=tangled is not None)
+        if zipped:
+            own, better, found = self._in_parts(mesh, zipped, surface, wanted, progress, tangled=tangled is not None)
         else:
-            wanted = None if wanted is None else unit_scaling.rescaled(wanted, -unit)
-            found = self._well_center(
-                normalized, own, choices, periodic, wanted, unit, progress, tangled=tangled is not None
-            )
-        better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
-        if found.mesh is not normalized:
-            better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
+            own, better, found = self._whole(mesh, surface, wanted, progress, tangled=tangled is not None)
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         result = self._judge(mesh, own, better, found, followed, tolerance)
@@ -218,8 +209,86 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             **found.work,
             "tolerance": tolerance / (surface or mesh).diagonal,
             "default_tolerance": self.options.tolerance is None,
-            "periodic": {"before": len(pairs), "after": len(find_periodic(found.mesh))} if pairs else None,
+            "periodic": _sides(mesh, better),
         }
+
+    def _whole(
+        self,
+        mesh: TetMesh,
+        surface: SurfaceMesh | None,
+        wanted: Floats | None,
+        progress: ProgressCallback,
+        *,
+        tangled: bool,
+    ) -> "tuple[Reference, TetMesh, _Found]":
+        """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
+        unit = unit_scaling.exponent(mesh.points)
+        normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
+        pairs = find_periodic(normalized) if self.options.periodic else []
+        own = own_boundary(normalized, self.options.crease_angle)
+        choices = PatchChoices(self.options.boundary, mesh, own.strata)
+        periodic = None
+        if pairs and choices.word == "move" and self.options.goal not in DUAL:
+            try:
+                periodic = PeriodicSurface(normalized, pairs, self.options.boundary, self.options.crease_angle)
+            except Unmatched as why:
+                warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=3)
+            else:
+                own, choices = periodic.own, periodic.choices
+        if self.options.goal in DUAL:
+            found = self._conform(normalized, own, choices, unit, progress, tangled=tangled)
+        else:
+            wanted = None if wanted is None else unit_scaling.rescaled(wanted, -unit)
+            found = self._well_center(normalized, own, choices, periodic, wanted, unit, progress, tangled=tangled)
+        better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
+        if found.mesh is not normalized:
+            better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
+        return own, better, found
+
+    def _in_parts(
+        self,
+        mesh: TetMesh,
+        zipped: coincident.Zipped,
+        surface: SurfaceMesh | None,
+        wanted: Floats | None,
+        progress: ProgressCallback,
+        *,
+        tangled: bool,
+    ) -> "tuple[Reference, TetMesh, _Found]":
+        """As :meth:`_whole`, for each part by itself, with the tolerance of the whole."""
+        unit = unit_scaling.exponent(mesh.points)
+        normalized = unit_scaling.scaled(mesh, -unit)
+        own = own_boundary(normalized, self.options.crease_angle)
+        PatchChoices(self.options.boundary, mesh, own.strata)  # names groups that are in no part
+        diagonal = (surface or mesh).diagonal
+        tolerance = (self.options.tolerance or own.auto_tolerance()) * diagonal
+        reference = surface if len(zipped.parts) == 1 else None
+        if surface is not reference:
+            said = "the boundary is resampled on the mesh's own facets, not on the reference: bodies share no vertex"
+            warnings.warn(said, WctWarning, stacklevel=3)
+        made: list[TetMesh] = []
+        works: list[Metrics] = []
+        changed = False
+        for part, points in zipped.parts:
+            given = replace(part, reference=reference)
+            most = self.options.max_tets and max(1, self.options.max_tets * len(part.tets) // len(mesh.tets))
+            one = copy(self)
+            one.options = self.options.model_copy(
+                update={
+                    "tolerance": tolerance / (reference or part).diagonal,
+                    "boundary": boundary_choice.in_part(self.options.boundary, part, coincident.SHEETS),
+                    "max_tets": most,
+                }
+            )
+            size = None if wanted is None else wanted[points]
+            _, new, found = one._whole(given, reference, size, progress, tangled=tangled)
+            made.append(new)
+            works.append(found.work)
+            changed |= new is not given
+        better = replace(zipped.unzipped(made) if changed else mesh, reference=surface)
+        measured = quality.measure(unit_scaling.scaled(better, -unit))
+        work = parts_work.together(works, [(reference or part).diagonal / diagonal for part, _ in zipped.parts])
+        return own, better, _Found(better, measured, math.ldexp(tolerance, -unit), work, own)
 
     def _well_center(
         self,
@@ -527,6 +596,14 @@ def _where(mesh: TetMesh, tets: tuple[int, int]) -> str:
     """The place of two tets that overlap."""
     x, y, z = mesh.points[mesh.tets[list(tets)]].mean(axis=(0, 1)).tolist()
     return f"near ({x:.4g}, {y:.4g}, {z:.4g})"
+
+
+def _sides(old: TetMesh, new: TetMesh) -> dict[str, int] | None:
+    """How many pairs of sides are translates of each other, other than by nothing; None where none was."""
+    unit = unit_scaling.exponent(old.points)
+    found = [find_periodic(unit_scaling.scaled(one, -unit)) for one in (old, new)]
+    before, after = (sum(bool(pair.translation.any()) for pair in pairs) for pairs in found)
+    return {"before": before, "after": after} if before else None
 
 
 def _no_crease(own: Reference) -> Released:

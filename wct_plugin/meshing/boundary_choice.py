@@ -38,6 +38,16 @@ def parse(value: Any) -> Any:
     return value
 
 
+def in_part(wanted: Boundary, part: TetMesh, fixed: str) -> Boundary:
+    """What is wanted of the groups that a part of a mesh has; the set ``fixed`` is, if any facet is in it."""
+    if isinstance(wanted, str):
+        if wanted == "fixed" or not len(part.facets.sets[fixed]):
+            return wanted
+        wanted = {per_group.REST: wanted}
+    there = {per_group.REST, *part.names, *part.facets.sets, *map(str, np.unique(part.facets.tags).tolist())}
+    return {group: choice for group, choice in wanted.items() if group in there} | {fixed: "fixed"}
+
+
 class PatchChoices:
     """Which patches of the surface move, keep their vertices, or their facets too."""
 
