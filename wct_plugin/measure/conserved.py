@@ -103,5 +103,7 @@ def _sizes(points: Floats, cells: Ints) -> Floats:
     unit = unit_scaling.exponent(points)
     points = unit_scaling.rescaled(points, -unit)
     if cells.shape[1] == 3:
-        return np.ldexp(np.linalg.norm(normals(points, cells), axis=1) / 2.0, 2 * unit)
-    return np.ldexp(np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1), unit)
+        size, dimension = np.linalg.norm(normals(points, cells), axis=1) / 2.0, 2
+    else:
+        size, dimension = np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1), 1
+    return np.asarray(np.ldexp(size, dimension * unit), dtype=np.float64)
