@@ -221,8 +221,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
         renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
     const std::optional<Array> *of_held[] = {&held_points, &held_stratum, &held_label, &held_facets,
                                              &held_patch,  &held_edges,   &held_curves};
-    const auto given =
-        std::count_if(std::begin(of_held), std::end(of_held), [](auto *one) { return one->has_value(); });
+    const auto given = static_cast<std::size_t>(
+        std::count_if(std::begin(of_held), std::end(of_held), [](auto *one) { return one->has_value(); }));
     if (given != 0 && given != std::size(of_held))
         refuse(
             "held_points, held_stratum, held_label, held_facets, held_patch, held_edges and held_curves go together");
