@@ -313,9 +313,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:
-            exact = planes.precision(surface.points, unit)
-            reference, reason = own, "facets of it stay"
+            reason = "facets of it stay"
             if kept is None:
+                exact = planes.precision(surface.points, unit)
                 reference, reason = choose(mesh, own, surface, options.crease_angle, options.tolerance, exact)
         straight, plane = periodic.mesh if periodic else mesh, None
         if moves and options.planes == "exact" and kept is None and periodic is None:

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 
 namespace wct {
 
@@ -15,5 +16,16 @@ enum class Stratum : std::int8_t { interior = 0, patch = 1, crease = 2, corner =
 /// Facet i lies opposite corner i; (kFacets[i], i) is an even permutation, so that it winds towards corner i.
 inline constexpr int kFacets[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
 inline constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/// Sort three numbers; true if the order's sense was kept.
+inline bool ascend(Facet &f) {
+    bool even = true;
+    for (const auto &[i, j] : {Edge{0, 1}, Edge{1, 2}, Edge{0, 1}})
+        if (f[i] > f[j]) {
+            std::swap(f[i], f[j]);
+            even = !even;
+        }
+    return even;
+}
 
 } // namespace wct

@@ -13,21 +13,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Sort three numbers; true if the order's sense was kept.
-bool ascend(Facet &f) {
-    bool even = true;
-    const auto order = [&](int i, int j) {
-        if (f[i] > f[j]) {
-            std::swap(f[i], f[j]);
-            even = !even;
-        }
-    };
-    order(0, 1);
-    order(1, 2);
-    order(0, 1);
-    return even;
-}
-
 } // namespace
 
 PinnedFacets::PinnedFacets(const domain::InputMesh &mesh, std::span<const Facet> facets,
@@ -54,6 +39,7 @@ PinnedFacets::PinnedFacets(const domain::InputMesh &mesh, std::span<const Facet>
                 kept_[t] = 1;
         }
     std::vector<char> missing;
+    std::vector<geometry::Sphere> balls;
     do {
         kept_count_ = static_cast<std::size_t>(std::count(kept_.begin(), kept_.end(), 1));
         if (keeps_all())
@@ -64,17 +50,9 @@ PinnedFacets::PinnedFacets(const domain::InputMesh &mesh, std::span<const Facet>
             at.push_back(mesh.points[v]);
         delaunay::Triangulation all = delaunay::delaunay(at);
         recover(all, at);
-        protect(all, missing);
+        balls = protect(all, missing);
     } while (keep_behind(missing));
-    std::vector<geometry::Box> boxes;
-    for (const Ball &ball : balls_) {
-        const Vec3 reach{ball.radius, ball.radius, ball.radius};
-        geometry::Box box;
-        box.add(ball.center - reach);
-        box.add(ball.center + reach);
-        boxes.push_back(box);
-    }
-    tree_ = geometry::BoxTree(boxes);
+    balls_ = geometry::ProtectingBalls(std::move(balls));
 }
 
 /// The facets between what is kept and what is not, with what lies on either side.
@@ -161,37 +139,31 @@ template <class Visit> void PinnedFacets::each_pinned(const std::vector<Tet> &te
 void PinnedFacets::recover(delaunay::Triangulation &all, std::span<const Vec3> at) const {
     if (!squares_)
         return;
-    constexpr int rounds = 3; // a tet may be beside more than one square
-    for (int round = 0; round < rounds; ++round) {
+    delaunay::recover_facets(all, at, [&] {
         std::vector<char> seen(sides_.size(), 0);
         each_pinned(all.tets, [&](std::size_t, int, int k, bool) { seen[k] = 1; });
         std::vector<Facet> missing;
         for (std::size_t k = 0; k < sides_.size(); ++k)
             if (!seen[k])
                 missing.push_back(sides_[k].facet);
-        if (delaunay::swap_diagonals(all, at, missing) == 0)
-            return;
-    }
+        return missing;
+    });
 }
 
 /// Find each facet's ball from the two tets at it in the triangulation of the pinned points alone.
-void PinnedFacets::protect(const delaunay::Triangulation &all, std::vector<char> &missing) {
-    constexpr double room = 1e-6; // between the balls that touch a point on either side, in radii
+std::vector<geometry::Sphere> PinnedFacets::protect(const delaunay::Triangulation &all,
+                                                    std::vector<char> &missing) const {
     std::vector<std::array<double, 2>> limits(sides_.size(), {-kInfinity, kInfinity});
     missing.assign(sides_.size(), 1);
-    balls_.assign(sides_.size(), {});
-    for (std::size_t k = 0; k < sides_.size(); ++k) {
-        const auto [p, q, r] = corners(k);
-        const Vec3 u = q - p, v = r - p, n = cross(u, v);
-        const Vec3 to = (0.5 / dot(n, n)) * (dot(u, u) * cross(v, n) + dot(v, v) * cross(n, u));
-        balls_[k] = {p + to, norm(to)};
-    }
+    std::vector<geometry::Sphere> balls;
+    for (std::size_t k = 0; k < sides_.size(); ++k)
+        balls.push_back(geometry::circumsphere(corners(k)));
     each_pinned(all.tets, [&](std::size_t t, int i, int k, bool above) {
         missing[k] = 0;
         const Vec3 n = unit(normal_of(corners(k)));
-        const Vec3 d = mesh_.points[points_[all.tets[t][i]]] - balls_[k].center;
-        // Centers are balls_[k].center + x n; at this x the sphere meets the apex.
-        const double height = dot(n, d), power = dot(d, d) - balls_[k].radius * balls_[k].radius;
+        const Vec3 d = mesh_.points[points_[all.tets[t][i]]] - balls[k].center;
+        // Centers are balls[k].center + x n; at this x the sphere meets the apex.
+        const double height = dot(n, d), power = dot(d, d) - balls[k].radius * balls[k].radius;
         const double x = height != 0.0 ? 0.5 * power / height : std::copysign(kInfinity, above ? power : -power);
         limits[k][above] = x;
     });
@@ -199,24 +171,20 @@ void PinnedFacets::protect(const delaunay::Triangulation &all, std::vector<char>
     for (std::size_t i = 0; i < points_.size(); ++i)
         boxes[i].add(mesh_.points[points_[i]]);
     const geometry::BoxTree near(boxes);
-    const auto empty = [&](const Ball &ball) {
+    const auto empty = [&](const geometry::Sphere &ball) {
         const double square = ball.radius * ball.radius * (1.0 - 1e-9);
         return !near.visit([&](const geometry::Box &box) { return box.square(ball.center) < square; },
                            [&](std::size_t i) { return boxes[i].square(ball.center) < square; });
     };
     for (std::size_t k = 0; k < sides_.size(); ++k) {
         const auto [lo, hi] = limits[k];
-        Ball &ball = balls_[k];
-        if (missing[k] || !(hi - lo > room * ball.radius)) {
-            // Points on the smallest ball itself, as in squares, leave the choice that swap_diagonals makes.
-            missing[k] = !(squares_ && empty(ball));
-            continue;
-        }
-        const Vec3 n = unit(normal_of(corners(k)));
-        const double inset = std::min(0.5 * (hi - lo), room * ball.radius);
-        const double x = std::clamp(0.0, lo + inset, hi - inset);
-        ball = {ball.center + x * n, std::hypot(ball.radius, x)};
+        const auto ball =
+            missing[k] ? std::nullopt : geometry::protecting_ball(balls[k], unit(normal_of(corners(k))), lo, hi);
+        // Points on the smallest ball itself, as in squares, leave the choice that swap_diagonals makes.
+        missing[k] = !ball && !(squares_ && empty(balls[k]));
+        balls[k] = ball.value_or(balls[k]);
     }
+    return balls;
 }
 
 /// Keep the input tets at facets without a ball; false if there are none.
@@ -229,31 +197,6 @@ bool PinnedFacets::keep_behind(const std::vector<char> &missing) {
                 any = true;
             }
     return any;
-}
-
-bool PinnedFacets::clear(Vec3 &p) const {
-    constexpr int kTries = 12;
-    constexpr double kOut = 1.0 + 1e-4;
-    for (int k = 0; k < kTries; ++k) {
-        int deepest = -1;
-        double share = 1.0;
-        tree_.visit([&](const geometry::Box &box) { return box.contains(p); },
-                    [&](std::size_t at) {
-                        const double here = norm(p - balls_[at].center) / balls_[at].radius;
-                        if (here < share) {
-                            share = here;
-                            deepest = static_cast<int>(at);
-                        }
-                        return false;
-                    });
-        if (deepest < 0)
-            return true;
-        const Ball &ball = balls_[deepest];
-        if (share < 1e-3)
-            return false;
-        p = ball.center + (kOut / share) * (p - ball.center);
-    }
-    return false;
 }
 
 bool PinnedFacets::label(sampling::RestrictedDelaunay &complex, std::span<const Vec3> at) const {

@@ -2,7 +2,7 @@
 
 #include "base/cells.h"
 #include "domain/region_map.h"
-#include "geometry/box_tree.h"
+#include "geometry/protecting_balls.h"
 #include "sampling/restricted_delaunay.h"
 
 #include <array>
@@ -35,7 +35,9 @@ class PinnedFacets {
     bool keeps_all() const { return kept_count_ == kept_.size(); }
 
     /// Move p out of the protecting balls; false where that fails.
-    bool clear(Vec3 &p) const;
+    bool clear(Vec3 &p) const {
+        return balls_.clear(p, [](const Vec3 &) {});
+    }
     /// Set the region of each tet, -1 outside and where input tets are kept. The triangulation is Delaunay's of `at`,
     /// which begins with points(); where it has the other diagonal of a square, that is swapped. False if a pinned
     /// facet is missing.
@@ -47,13 +49,9 @@ class PinnedFacets {
         Facet facet;
         std::array<int, 2> region{-1, -1};
     };
-    struct Ball {
-        Vec3 center;
-        double radius = 0.0;
-    };
     void gather();
     void recover(delaunay::Triangulation &all, std::span<const Vec3> at) const;
-    void protect(const delaunay::Triangulation &all, std::vector<char> &missing);
+    std::vector<geometry::Sphere> protect(const delaunay::Triangulation &all, std::vector<char> &missing) const;
     bool keep_behind(const std::vector<char> &missing);
     int find(const Facet &facet) const;
     /// Of entry k of sides_.
@@ -70,8 +68,7 @@ class PinnedFacets {
     std::vector<int> points_;
     std::vector<Sides> sides_;               // by facet
     std::vector<std::array<int, 2>> behind_; // per entry of sides_: input tets below and above, -1 where none is open
-    std::vector<Ball> balls_;
-    geometry::BoxTree tree_;
+    geometry::ProtectingBalls balls_;
 };
 
 } // namespace wct::refill

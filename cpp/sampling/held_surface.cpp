@@ -17,17 +17,6 @@ std::array<double, 3> place(const Vec3 &p) {
     return {p.x, p.y, p.z};
 }
 
-/// Sort three numbers; true if the order's sense was kept.
-bool ascend(Facet &f) {
-    bool even = true;
-    for (const auto &[i, j] : {Edge{0, 1}, Edge{1, 2}, Edge{0, 1}})
-        if (f[i] > f[j]) {
-            std::swap(f[i], f[j]);
-            even = !even;
-        }
-    return even;
-}
-
 } // namespace
 
 HeldSurface::HeldSurface(const HeldFacets &facets, const domain::Reference &reference)
@@ -66,23 +55,22 @@ HeldSurface::HeldSurface(const HeldFacets &facets, const domain::Reference &refe
 
 /// With x the height of a ball's center over its facet's plane, every point rules out the x beyond one bound.
 void HeldSurface::protect() {
-    constexpr double room = 1e-6; // between the balls that touch a point on either side, in radii
-    constexpr double on = 1e-9;   // as near points are on the ball itself, in squares of radii
+    constexpr double on = 1e-9; // as near points are on the ball itself, in squares of radii
+    std::vector<geometry::Sphere> balls;
     std::vector<Vec3> others = held_.points;
     for (const int v : reference_.data().corners)
         if (!corners_.contains(v))
             others.push_back(reference_.data().points[v]);
     for (const Facet &facet : held_.facets) {
-        const Vec3 &p = held_.points[facet[0]];
-        const Vec3 u = held_.points[facet[1]] - p, v = held_.points[facet[2]] - p, n = cross(u, v);
-        const Vec3 to = (0.5 / dot(n, n)) * (dot(u, u) * cross(v, n) + dot(v, v) * cross(n, u));
-        Ball ball{p + to, norm(to)};
+        const std::array corners{held_.points[facet[0]], held_.points[facet[1]], held_.points[facet[2]]};
+        const Vec3 n = unit(normal_of(corners));
+        const geometry::Sphere ball = geometry::circumsphere(corners);
         double lo = -kInfinity, hi = kInfinity;
         for (int i = 0; i < static_cast<int>(others.size()); ++i) {
             if (std::find(facet.begin(), facet.end(), i) != facet.end())
                 continue;
             const Vec3 d = others[i] - ball.center;
-            const double height = dot(unit(n), d), power = dot(d, d) - ball.radius * ball.radius;
+            const double height = dot(n, d), power = dot(d, d) - ball.radius * ball.radius;
             if (std::fabs(height) < on * ball.radius) {
                 if (power < -on * ball.radius * ball.radius)
                     lo = kInfinity;
@@ -91,35 +79,23 @@ void HeldSurface::protect() {
             const double bound = 0.5 * power / height;
             (height > 0.0 ? hi : lo) = height > 0.0 ? std::min(hi, bound) : std::max(lo, bound);
         }
-        if (!(hi - lo > room * ball.radius))
-            continue;
-        const double inset = std::min(0.5 * (hi - lo), room * ball.radius);
-        const double x = std::clamp(0.0, lo + inset, hi - inset);
-        add_ball({ball.center + x * unit(n), std::hypot(ball.radius, x)});
+        if (const auto protecting = geometry::protecting_ball(ball, n, lo, hi))
+            balls.push_back(*protecting);
     }
-    protect_edges(others);
-    tree_ = geometry::BoxTree(boxes_);
+    protect_edges(others, balls);
+    balls_ = geometry::ProtectingBalls(std::move(balls));
 }
 
-void HeldSurface::protect_edges(std::span<const Vec3> others) {
+void HeldSurface::protect_edges(std::span<const Vec3> others, std::vector<geometry::Sphere> &balls) const {
     for (const Edge &edge : held_.edges) {
         const Vec3 &p = held_.points[edge[0]], &q = held_.points[edge[1]];
-        const Ball ball{0.5 * (p + q), 0.5 * norm(q - p)};
+        const geometry::Sphere ball{0.5 * (p + q), 0.5 * norm(q - p)};
         const bool empty = std::none_of(others.begin(), others.end(), [&](const Vec3 &other) {
             return !(other == p) && !(other == q) && norm(other - ball.center) < ball.radius;
         });
         if (empty)
-            add_ball(ball);
+            balls.push_back(ball);
     }
-}
-
-void HeldSurface::add_ball(const Ball &ball) {
-    const Vec3 reach{ball.radius, ball.radius, ball.radius};
-    geometry::Box box;
-    box.add(ball.center - reach);
-    box.add(ball.center + reach);
-    balls_.push_back(ball);
-    boxes_.push_back(box);
 }
 
 bool HeldSurface::holds(Stratum role, int label) const {
@@ -182,32 +158,14 @@ void HeldSurface::drop_others(Cloud &cloud) const {
 }
 
 bool HeldSurface::clear(Vec3 &p, Stratum role, int label) const {
-    constexpr int tries = 12;
-    constexpr double out = 1.0 + 1e-4;
-    for (int k = 0; k < tries; ++k) {
-        int deepest = -1;
-        double share = 1.0;
-        tree_.visit([&](const geometry::Box &box) { return box.contains(p); },
-                    [&](std::size_t at) {
-                        const double here = norm(p - balls_[at].center) / balls_[at].radius;
-                        if (here < share) {
-                            share = here;
-                            deepest = static_cast<int>(at);
-                        }
-                        return false;
-                    });
-        if (deepest < 0)
-            return true;
-        if (share < 1e-3 || role == Stratum::corner)
-            return false;
-        const Ball &ball = balls_[deepest];
-        p = ball.center + (out / share) * (p - ball.center);
+    if (role == Stratum::corner)
+        return !balls_.contains(p);
+    return balls_.clear(p, [&](Vec3 &moved) {
         if (role == Stratum::patch)
-            reference_.to_patch(p, reference_.nearest(p, label));
+            reference_.to_patch(moved, reference_.nearest(moved, label));
         else if (role == Stratum::crease)
-            reference_.to_curve(p, label);
-    }
-    return false;
+            reference_.to_curve(moved, label);
+    });
 }
 
 void HeldSurface::clear(Cloud &cloud) const {
@@ -263,13 +221,12 @@ void HeldSurface::each_held(const Cloud &cloud, const std::vector<Tet> &tets, co
 }
 
 void HeldSurface::recover(const Cloud &cloud, delaunay::Triangulation &all) const {
-    constexpr int rounds = 3; // a tet may be beside more than one square
     std::vector<int> at(held_.points.size(), -1);
     const std::vector<int> number = numbers(cloud);
     for (std::size_t i = 0; i < number.size(); ++i)
         if (number[i] >= 0)
             at[number[i]] = static_cast<int>(i);
-    for (int round = 0; round < rounds; ++round) {
+    delaunay::recover_facets(all, cloud.points, [&] {
         std::vector<char> seen(held_.facets.size(), 0);
         each_held(cloud, all.tets, [&](std::size_t, int, int k, bool) { seen[k] = 1; });
         std::vector<Facet> missing;
@@ -279,9 +236,8 @@ void HeldSurface::recover(const Cloud &cloud, delaunay::Triangulation &all) cons
             if (!seen[k] && facet[0] >= 0)
                 missing.push_back(facet);
         }
-        if (missing.empty() || delaunay::swap_diagonals(all, cloud.points, missing) == 0)
-            return;
-    }
+        return missing;
+    });
 }
 
 void HeldSurface::label(const Cloud &cloud, RestrictedDelaunay &complex) const {

@@ -4,7 +4,7 @@
 #include "base/vec3.h"
 #include "domain/reference.h"
 #include "domain/sizing.h"
-#include "geometry/box_tree.h"
+#include "geometry/protecting_balls.h"
 #include "sampling/cloud.h"
 #include "sampling/restricted_delaunay.h"
 
@@ -62,13 +62,8 @@ class HeldSurface {
     bool complete(const Cloud &cloud, const RestrictedDelaunay &complex) const;
 
   private:
-    struct Ball {
-        Vec3 center;
-        double radius = 0.0;
-    };
     void protect();
-    void protect_edges(std::span<const Vec3> others);
-    void add_ball(const Ball &ball);
+    void protect_edges(std::span<const Vec3> others, std::vector<geometry::Sphere> &balls) const;
     bool clear(Vec3 &p, Stratum role, int label) const;
     /// visit(tet, i, k, above) for each facet i of a tet that is held facet k; above: its normal points into the tet.
     template <class Visit> void each_held(const Cloud &cloud, const std::vector<Tet> &tets, const Visit &visit) const;
@@ -78,10 +73,8 @@ class HeldSurface {
     std::set<int> patches_, curves_, corners_;
     std::vector<double> size_; // per point: the mean of its held edges
     std::map<std::array<double, 3>, int> at_;
-    std::map<Facet, int> facet_; // corners ascending
-    std::vector<Ball> balls_;    // but for those of facets and edges that no ball protects
-    std::vector<geometry::Box> boxes_;
-    geometry::BoxTree tree_;
+    std::map<Facet, int> facet_;      // corners ascending
+    geometry::ProtectingBalls balls_; // but for those of facets and edges that no ball protects
 };
 
 } // namespace wct::sampling

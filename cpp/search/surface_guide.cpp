@@ -16,8 +16,8 @@ namespace {
 // of it; the inside of facets is held at a few points only.
 constexpr double kShell = 0.97;
 constexpr double kTube = 0.5;
-constexpr double kRim =
-    0.9; // of creases beside a plane, in it: chords of a rim keep its area where their ends stand out
+/// Of creases beside a plane, in it: chords of a rim keep its area where their ends stand out.
+constexpr double kRim = 0.9;
 constexpr geometry::NearAlong kAlong = {0.975, 0.985};
 constexpr double kInside = 0.93;
 /// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
@@ -323,20 +323,15 @@ SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corner
 
 double SurfaceGuide::offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const {
     // The middles of the edges: exact where the distance is quadratic over the facet, as it is over a smooth surface.
-    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
     double sum = 0.0;
-    for (int k = kInner; k < kSamples; ++k) {
-        const Vec3 x = blend(kWeights[k], corners);
-        const auto found = tree.closest(x, hints[k]);
-        const Vec3 off = x - found.point;
-        sum += dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
-    }
+    for (int k = kInner; k < kSamples; ++k)
+        sum += height(patch, blend(kWeights[k], corners), hints[k]);
     return sum / (kSamples - kInner);
 }
 
-double SurfaceGuide::height(int patch, const Vec3 &x) const {
+double SurfaceGuide::height(int patch, const Vec3 &x, std::int32_t guess) const {
     const geometry::BoundingTree<3> &tree = patches_[patch].tree;
-    const auto found = tree.closest(x);
+    const auto found = tree.closest(x, guess);
     const Vec3 off = x - found.point;
     return dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
 }

@@ -78,8 +78,8 @@ class SurfaceGuide {
             double enough = std::numeric_limits<double>::infinity()) const;
     /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
     double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
-    /// Signed distance of x from the patch, in front of its triangles positive.
-    double height(int patch, const Vec3 &x) const;
+    /// Signed distance of x from the patch, in front of its triangles positive. `guess`: a piece nearby.
+    double height(int patch, const Vec3 &x, std::int32_t guess = 0) const;
     /// Unit normal of the patch where it is closest to x.
     Vec3 normal(int patch, const Vec3 &x) const;
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;

@@ -23,6 +23,7 @@ from wct_plugin.exact import predicates
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.mesh import show_row
+from wct_plugin.mesh.triangle_surfaces import areas
 from wct_plugin.types import Floats, Ints
 
 _MEGABYTE = 1 << 20
@@ -226,7 +227,7 @@ def _result(folder: Path, surface: SurfaceMesh, points: Floats, triangles: Ints,
         raise InputError(f"{label(surface)}the surface encloses nothing{f', it is open: {edge}' if edge else ''}")
     nodes, cells, facets = vertices[:, 1:4].copy(), tets[:, 1:6].astype(np.int64), faces[:, 1:5].astype(np.int64)
     nodes[: len(points)] = points  # TetGen writes 16 digits, which are not always all
-    lost = 1 - _area(nodes, facets[:, :3]) / _area(points, triangles)
+    lost = 1 - float(areas(nodes, facets[:, :3]).sum() / areas(points, triangles).sum())
     if edge and lost > _LOST:  # TetGen drops facets that bound nothing without a word
         raise InputError(f"{label(surface)}{100 * lost:.3g} % of the surface's area bounds nothing; it is open: {edge}")
     if abs(lost) > _LOST or (keep and len(facets) != len(triangles)):
@@ -247,11 +248,6 @@ def _table(path: Path) -> Floats:
     if len(rows) != count:
         raise NeighbourError(f"TetGen's {path.name} has {len(rows)} rows of {count}; is the disk full?")
     return rows
-
-
-def _area(points: Floats, triangles: Ints) -> float:
-    a, b, c = np.moveaxis(points[triangles], 1, 0)
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
 def _mesh(nodes: Floats, tets: Ints, facets: Ints, source: str) -> TetMesh:

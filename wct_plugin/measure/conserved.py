@@ -5,8 +5,10 @@ from typing import TypedDict
 
 import numpy as np
 
+from wct_plugin.measure.fidelity import interface_rows
 from wct_plugin.mesh import Cells, TetMesh, unit_scaling
-from wct_plugin.mesh.triangle_surfaces import bends, normals
+from wct_plugin.mesh.index_arrays import masks
+from wct_plugin.mesh.triangle_surfaces import areas, bends
 from wct_plugin.types import Bools, Floats, Ints
 
 #: The volume of a region, and the area of a group or interface, may change by this fraction.
@@ -45,11 +47,7 @@ def group_names(mesh: TetMesh, cells: Cells) -> dict[str, Bools]:
     for tag in np.unique(cells.tags):
         if tag != 0 or not cells.sets:
             out[named.get(int(tag), str(tag))] = cells.tags == tag
-    for name, rows in cells.sets.items():
-        member = np.zeros(len(cells), dtype=bool)
-        member[rows] = True
-        out[name] = member
-    return out
+    return out | masks(cells.sets, len(cells))
 
 
 def measure_groups(old: TetMesh, new: TetMesh, stretch: Mapping[str, float]) -> dict[str, Quantity]:
@@ -77,11 +75,8 @@ def measure_groups(old: TetMesh, new: TetMesh, stretch: Mapping[str, float]) -> 
 
 def _interface_areas(mesh: TetMesh) -> dict[str, float]:
     """By the tags of both regions, the smaller first: ``1|2``."""
-    sides = np.sort(mesh.regions[mesh.topology.interface_pairs[:, ::2]], axis=1)
     area = _sizes(mesh.points, mesh.topology.interfaces)
-    pairs, of = np.unique(sides, axis=0, return_inverse=True)
-    sums = np.bincount(of.reshape(-1), area, minlength=len(pairs))
-    return {f"{low}|{high}": float(one) for (low, high), one in zip(pairs.tolist(), sums, strict=True)}
+    return {name: float(area[rows].sum()) for name, rows in interface_rows(mesh).items()}
 
 
 def sharp_length(points: Floats, triangles: Ints, crease_angle: float) -> tuple[float, float]:
@@ -103,7 +98,7 @@ def _sizes(points: Floats, cells: Ints) -> Floats:
     unit = unit_scaling.exponent(points)
     points = unit_scaling.rescaled(points, -unit)
     if cells.shape[1] == 3:
-        size, dimension = np.linalg.norm(normals(points, cells), axis=1) / 2.0, 2
+        size, dimension = areas(points, cells), 2
     else:
         size, dimension = np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1), 1
     return np.asarray(np.ldexp(size, dimension * unit), dtype=np.float64)

@@ -8,6 +8,7 @@ import numpy as np
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.types import Ints
 
 
 class Volumes(TypedDict):
@@ -46,18 +47,18 @@ def measure_fidelity(
     }
 
 
-def beyond(found: Fidelity, allowed: float) -> list[str]:
-    """What is farther off than ``allowed``, a fraction of the diagonal, as phrases."""
-    parts = []
+def beyond(found: Fidelity, allowed: float) -> dict[str, str]:
+    """What is farther off than ``allowed``, a fraction of the diagonal, in words: by interface, "" for the boundary."""
+    parts = {}
     if found["deviation"]["fraction_of_diagonal"] > allowed:
-        parts.append(
+        parts[""] = (
             f"the boundary is {found['deviation']['fraction_of_diagonal']:.2e} of the diagonal from the reference"
         )
     for name, apart in found["interfaces"].items():
         if apart is None:
-            parts.append(f"the interface {name} is lost")
+            parts[name] = f"the interface {name} is lost"
         elif apart["fraction_of_diagonal"] > allowed:
-            parts.append(
+            parts[name] = (
                 f"the interface {name} is {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
             )
     return parts
@@ -77,14 +78,19 @@ def describe(volumes: Mapping[str, Volumes], interfaces: Mapping[str, dict[str, 
     return "; ".join(parts)
 
 
+def interface_rows(mesh: TetMesh) -> dict[str, Ints]:
+    """The rows of the topology's interfaces between each two regions that touch, by their tags: ``1|2``."""
+    pairs = np.sort(mesh.regions[mesh.topology.interface_pairs[:, ::2]], axis=1)
+    names, of = np.unique(pairs, axis=0, return_inverse=True)
+    return {f"{low}|{high}": np.flatnonzero(of.reshape(-1) == k) for k, (low, high) in enumerate(names.tolist())}
+
+
 def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
     """The interface of each two regions that touch."""
-    pairs = np.sort(mesh.regions[mesh.topology.interface_pairs[:, ::2]], axis=1)
     out = {}
-    for low, high in np.unique(pairs, axis=0):
-        triangles = mesh.topology.interfaces[(pairs == (low, high)).all(axis=1)]
-        used, place = np.unique(triangles, return_inverse=True)
-        out[f"{low}|{high}"] = SurfaceMesh(mesh.points[used], place.reshape(-1, 3))
+    for name, rows in interface_rows(mesh).items():
+        used, place = np.unique(mesh.topology.interfaces[rows], return_inverse=True)
+        out[name] = SurfaceMesh(mesh.points[used], place.reshape(-1, 3))
     return out
 
 

@@ -45,11 +45,9 @@ def find_losses(
     far = {"": kept["deviation"]["fraction_of_diagonal"]} | {
         name: one["fraction_of_diagonal"] if one else float("inf") for name, one in kept["interfaces"].items()
     }
-    phrases = iter(beyond(kept, allowed))
-    for name, distance in far.items():
-        if distance > allowed:
-            kind = "interface" if name else "deviation"
-            out.append(_loss(kind, name, 0.0, distance, allowed, f"{next(phrases)}; the tolerance is {allowed:.2e}"))
+    for name, phrase in beyond(kept, allowed).items():
+        kind = "interface" if name else "deviation"
+        out.append(_loss(kind, name, 0.0, far[name], allowed, f"{phrase}; the tolerance is {allowed:.2e}"))
     for tag, volume in kept["volumes"].items():
         if abs(volume["change"]) > CHANGE:
             what = "the volume" if len(kept["volumes"]) == 1 else f"the volume of region {tag}"

@@ -1,8 +1,10 @@
 """Arrays of indices: what hangs together, which rows are equal."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from wct_plugin.types import Ints
+from wct_plugin.types import Bools, Ints
 
 
 def components(rows: Ints, columns: Ints, count: int) -> Ints:
@@ -12,6 +14,14 @@ def components(rows: Ints, columns: Ints, count: int) -> Ints:
 
     graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
     return connected_components(graph, directed=False)[1].astype(np.int64) if count else np.empty(0, dtype=np.int64)
+
+
+def masks(sets: Mapping[str, Ints], count: int) -> dict[str, Bools]:
+    """Named index arrays as masks (count,)."""
+    out = {name: np.zeros(count, dtype=bool) for name in sets}
+    for name, members in sets.items():
+        out[name][members] = True
+    return out
 
 
 def find_rows(rows: Ints, wanted: Ints, count: int) -> Ints:

@@ -24,6 +24,12 @@ def normals(points: Floats, triangles: Ints) -> Floats:
     return out
 
 
+def areas(points: Floats, triangles: Ints) -> Floats:
+    """(t,) areas of triangles (t, 3) on ``points`` (n, 3)."""
+    out: Floats = np.linalg.norm(normals(points, triangles), axis=1) / 2.0
+    return out
+
+
 def enclosed_volume(points: Floats, triangles: Ints) -> float:
     """Volume inside a closed surface of outward triangles (k, 3) on ``points`` (n, 3); negative if they run inward."""
     corners = points[triangles] - points[triangles].mean(axis=(0, 1))  # near the origin nothing cancels

@@ -19,8 +19,9 @@ from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.measure.conserved import CHANGE
 from wct_plugin.mesh import Cells, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import components, distinct_rows, find_rows
-from wct_plugin.mesh.topology import EDGES, FACETS
-from wct_plugin.mesh.triangle_surfaces import normals
+from wct_plugin.mesh.topology import FACETS
+from wct_plugin.mesh.triangle_surfaces import areas, normals
+from wct_plugin.meshing.cut_cells import copied_edges, copied_nodes, copies, repeated, together
 from wct_plugin.meshing.transfer import locate
 from wct_plugin.types import Bools, Floats, Ints
 
@@ -100,7 +101,7 @@ class Zipped:
 
     def unzipped(self, made: Sequence[TetMesh]) -> TetMesh:
         """The parts made anew, in their order, put together and cut along the pairs again."""
-        old, whole = self._old, _together(made)
+        old, whole = self._old, together(made)
         self._warn_of_drops()
         tets, origin, halves = self._cut(whole)
         facets = self._facets(whole, tets, origin, halves)
@@ -113,8 +114,8 @@ class Zipped:
             tets=tets,
             regions=self._regions[whole.regions],
             facets=facets,
-            edges=_edges(old, self._joined, whole, tets, origin),
-            nodes=_nodes(whole.nodes, whole, tets, origin),
+            edges=copied_edges(old, self._joined, whole, tets, origin),
+            nodes=copied_nodes(whole.nodes, whole, tets, origin),
             point_data=self._point_data(whole, tets, origin, halves),
             cell_data=whole.cell_data,
             point_sets={},
@@ -165,7 +166,7 @@ class Zipped:
         paired = np.sort(given.vertices[given.sets[_PAIRS]], axis=1)
         plain = find_rows(paired, np.sort(given.vertices, axis=1), count) < 0
         kept = given.select(plain)
-        kept = _repeated(kept, *_copies(kept.vertices, whole.tets, tets, origin))
+        kept = repeated(kept, *copies(kept.vertices, whole.tets, tets, origin))
         vertices, tags = [kept.vertices], [kept.tags]
         sets: dict[str, list[Ints]] = {name: [kept.sets[name]] for name in self._old.facets.sets}
         there = np.sort(whole.topology.triangles_of(halves[:, :2]), axis=1)
@@ -216,7 +217,7 @@ class Zipped:
         """A pair that is lost is named."""
         unit = unit_scaling.exponent(self._old.points)
         before, after = (
-            float(np.linalg.norm(normals(unit_scaling.rescaled(points, -unit), triangles), axis=1).sum())
+            float(areas(unit_scaling.rescaled(points, -unit), triangles).sum())
             for points, triangles in (
                 (self._old.points, self._first),
                 (whole.points, whole.topology.triangles_of(halves[:, :2])),
@@ -369,104 +370,3 @@ def _marked(facets: Cells, boundary: Ints, pairs: Ints, sheet: Bools, count: int
         sets,
     )
     return marked, groups
-
-
-def _together(parts: Sequence[TetMesh]) -> TetMesh:
-    """Meshes that share no vertex as one; they have the same data and sets."""
-    first = parts[0]
-    points = np.cumsum([0, *(len(one.points) for one in parts)])
-    tets = np.cumsum([0, *(len(one.tets) for one in parts)])
-    facets, edges, nodes = (
-        _cells_together([getattr(one, kind) for one in parts], points) for kind in ("facets", "edges", "nodes")
-    )
-    return replace(
-        first,
-        points=np.concatenate([one.points for one in parts]),
-        tets=np.concatenate([one.tets + at for one, at in zip(parts, points[:-1], strict=True)]),
-        regions=np.concatenate([one.regions for one in parts]),
-        facets=facets,
-        edges=edges,
-        nodes=nodes,
-        point_data={name: np.concatenate([one.point_data[name] for one in parts]) for name in first.point_data},
-        cell_data={name: np.concatenate([one.cell_data[name] for one in parts]) for name in first.cell_data},
-        tet_sets={
-            name: np.concatenate([one.tet_sets[name] + at for one, at in zip(parts, tets[:-1], strict=True)])
-            for name in first.tet_sets
-        },
-    )
-
-
-def _cells_together(parts: Sequence[Cells], points: Ints) -> Cells:
-    starts = np.cumsum([0, *(len(one) for one in parts)])
-    return Cells(
-        np.concatenate([one.vertices + at for one, at in zip(parts, points[:-1], strict=True)]),
-        np.concatenate([one.tags for one in parts]),
-        {},
-        {
-            name: np.concatenate([one.sets[name] + at for one, at in zip(parts, starts[:-1], strict=True)])
-            for name in parts[0].sets
-        },
-    )
-
-
-def _copies(cells: Ints, whole: Ints, tets: Ints, origin: Ints) -> tuple[Ints, Ints]:
-    """Row of ``cells`` (k, d) and copy of it (c, d), for every copy in the cut ``tets`` of those ``whole`` (m, 4).
-
-    Ascending by row and copy; the corners of a copy are in the order of its cell's.
-    """
-    count, width = len(origin), cells.shape[1]
-    corners = {1: np.arange(4)[:, None], 2: EDGES, 3: FACETS}[width]
-    touched = np.zeros(count, dtype=bool)
-    touched[cells] = True
-    near = touched[whole].sum(axis=1) >= width
-    order = np.argsort(cells, axis=1)
-    distinct = np.unique(np.take_along_axis(cells, order, axis=1), axis=0)
-    row = find_rows(distinct, np.sort(whole[near][:, corners].reshape(-1, width), axis=1), count)
-    ascending = np.sort(tets[near][:, corners].reshape(-1, width), axis=1)  # as their origins, which ascend with them
-    found = np.unique(np.column_stack([row, ascending])[row >= 0], axis=0)
-    starts = np.searchsorted(found[:, 0], np.arange(len(distinct) + 1))
-    of = find_rows(distinct, np.take_along_axis(cells, order, axis=1), count)
-    sizes = starts[of + 1] - starts[of]
-    rows = np.repeat(np.arange(len(cells)), sizes)
-    at = np.repeat(starts[of] - np.cumsum(sizes) + sizes, sizes) + np.arange(int(sizes.sum()))
-    out = np.empty((len(rows), width), dtype=np.int64)
-    np.put_along_axis(out, order[rows], found[at, 1:], axis=1)
-    return rows, out
-
-
-def _edges(old: TetMesh, joined: Ints, whole: TetMesh, tets: Ints, origin: Ints) -> Cells:
-    """Tagged edges: all copies of them where the old mesh had a tag on several, one where it had not."""
-    edges = whole.edges
-    if not len(edges):
-        return edges
-    before = np.column_stack([old.edges.tags, np.sort(joined[old.edges.vertices], axis=1)])
-    kinds, sizes = np.unique(before, axis=0, return_counts=True)
-    twice = np.unique(kinds[sizes > 1, 0])
-    ascending = np.column_stack([edges.tags, np.sort(edges.vertices, axis=1)])
-    once = np.zeros(len(edges), dtype=bool)
-    once[np.unique(ascending, axis=0, return_index=True)[1]] = True
-    edges = edges.select(once)
-    rows, copies = _copies(edges.vertices, whole.tets, tets, origin)
-    keep = np.ones(len(rows), dtype=bool)
-    keep[1:] = (rows[1:] != rows[:-1]) | np.isin(edges.tags[rows[1:]], twice)
-    return _repeated(edges, rows[keep], copies[keep])
-
-
-def _nodes(nodes: Cells, whole: TetMesh, tets: Ints, origin: Ints) -> Cells:
-    """Tagged vertices; those in one place go to the copies there in turn."""
-    if not len(nodes):
-        return nodes
-    rows, copies = _copies(nodes.vertices, whole.tets, tets, origin)
-    starts = np.searchsorted(rows, np.arange(len(nodes) + 1))
-    turn: dict[int, int] = {}
-    at = []
-    for k, vertex in enumerate(nodes.vertices[:, 0].tolist()):
-        turn[vertex] = turn.get(vertex, -1) + 1
-        at.append(starts[k] + min(turn[vertex], starts[k + 1] - starts[k] - 1))
-    return replace(nodes, vertices=copies[at])
-
-
-def _repeated(cells: Cells, rows: Ints, vertices: Ints) -> Cells:
-    """Cells with the ``vertices`` (c, d), each with the tags and sets of one of the ``rows`` (c,)."""
-    sets = {name: np.flatnonzero(np.isin(rows, members)) for name, members in cells.sets.items()}
-    return Cells(vertices, cells.tags[rows], {}, sets)

@@ -5,7 +5,7 @@ import numpy as np
 from wct_plugin.measure.conserved import group_names
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
-from wct_plugin.mesh.triangle_surfaces import normals
+from wct_plugin.mesh.triangle_surfaces import areas
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats
 
@@ -23,10 +23,10 @@ def enclosed_volumes(on: Reference) -> dict[str, float]:
 
 def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
     """By group of tagged facets, its area on the surface that is followed over that on the mesh's own facets."""
-    if on is own or not len(mesh.facets):
+    if not len(mesh.facets):
         return {}
     row = find_rows(np.sort(own.strata.triangles, axis=1), np.sort(mesh.facets.vertices, axis=1), len(mesh.points))
-    on_patch, own_patch = _areas(on), _areas(own)
+    on_patch, own_patch = _patch_areas(on), _patch_areas(own)
     out = {}
     for name, member in group_names(mesh, mesh.facets).items():
         patches = np.unique(own.strata.patch[row[member & (row >= 0)]])
@@ -36,7 +36,7 @@ def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
     return out
 
 
-def _areas(on: Reference) -> Floats:
+def _patch_areas(on: Reference) -> Floats:
     """(patches,) the area of each patch."""
-    area = np.linalg.norm(normals(on.points, on.strata.triangles), axis=1) / 2.0
+    area = areas(on.points, on.strata.triangles)
     return np.asarray(np.bincount(on.strata.patch, area, minlength=len(on.sides)), dtype=np.float64)

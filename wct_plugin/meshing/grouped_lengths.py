@@ -6,8 +6,9 @@ import numpy as np
 
 from wct_plugin.errors import OptionError
 from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.index_arrays import masks
 from wct_plugin.meshing import per_group
-from wct_plugin.types import Bools, Floats
+from wct_plugin.types import Bools, Floats, Ints
 
 #: Edge length per cell of a body-centered cubic lattice, and how often lengths are averaged with their neighbours', as
 #: the core has it.
@@ -21,7 +22,8 @@ def lengths_of_groups(wanted: Mapping[str, float], mesh: TetMesh) -> Floats:
     What is said of the rest, or else the mesh's own length there, holds at points of tets that no named region has, but
     for those of named groups of facets. Raises :class:`OptionError` for a name that the mesh has not.
     """
-    regions, facets = _regions(mesh), _facets(mesh)
+    regions = _groups(mesh, mesh.regions, mesh.tet_sets, 3)
+    facets = _groups(mesh, mesh.facets.tags, mesh.facets.sets, 2)
     lengths = np.full(len(mesh.points), np.inf)
     named = np.zeros(len(mesh.tets), dtype=bool)
     on_group = np.zeros(len(mesh.points), dtype=bool)
@@ -63,24 +65,8 @@ def own_lengths(mesh: TetMesh) -> Floats:
     return found
 
 
-def _regions(mesh: TetMesh) -> dict[str, Bools]:
-    """Tets of each region, by its name, a set's name or its tag as text."""
-    sets = {}
-    for name, members in mesh.tet_sets.items():
-        sets[name] = np.zeros(len(mesh.tets), dtype=bool)
-        sets[name][members] = True
-    tags = {str(tag): mesh.regions == tag for tag in np.unique(mesh.regions).tolist()}
-    named = {name: mesh.regions == tag for name, (tag, dimension) in mesh.names.items() if dimension == 3}
-    return {**tags, **sets, **named}
-
-
-def _facets(mesh: TetMesh) -> dict[str, Bools]:
-    """Tagged facets of each group, in the same way."""
-    facets = mesh.facets
-    sets = {}
-    for name, members in facets.sets.items():
-        sets[name] = np.zeros(len(facets), dtype=bool)
-        sets[name][members] = True
-    tags = {str(tag): facets.tags == tag for tag in np.unique(facets.tags).tolist()}
-    named = {name: facets.tags == tag for name, (tag, dimension) in mesh.names.items() if dimension == 2}
-    return {**tags, **sets, **named}
+def _groups(mesh: TetMesh, tags: Ints, sets: Mapping[str, Ints], dimension: int) -> dict[str, Bools]:
+    """Members of each group of cells of that dimension, by its name, a set's name or its tag as text."""
+    tagged = {str(tag): tags == tag for tag in np.unique(tags).tolist()}
+    named = {name: tags == tag for name, (tag, of) in mesh.names.items() if of == dimension}
+    return {**tagged, **masks(sets, len(tags)), **named}

@@ -6,7 +6,7 @@ from wct_plugin.core import _core
 from wct_plugin.errors import NeighbourError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.strata import labelled_surface, surface_strata
-from wct_plugin.mesh.triangle_surfaces import bends, normals
+from wct_plugin.mesh.triangle_surfaces import areas, bends
 from wct_plugin.meshing.reference import TOLERANCE, Reference, given_surface
 from wct_plugin.meshing.reference_fit import bounds, clean, facing_out
 from wct_plugin.meshing.reference_repair import composite
@@ -60,14 +60,14 @@ def _cut(
     centroids = surface.points[surface.triangles].mean(axis=1)
     _, nearest, _ = _core.closest_points(mesh.points, own.strata.triangles, centroids)
     taken = label[nearest]
-    areas = [
-        np.bincount(one, _areas(points, triangles), minlength=int(label.max()) + 1)
+    sums = [
+        np.bincount(one, areas(points, triangles), minlength=int(label.max()) + 1)
         for one, points, triangles in (
             (taken, surface.points, surface.triangles),
             (label, mesh.points, own.strata.triangles),
         )
     ]
-    if (np.abs(areas[0] - areas[1]) > _AREA * areas[1]).any():
+    if (np.abs(sums[0] - sums[1]) > _AREA * sums[1]).any():
         return None
     both = np.unique(np.column_stack([surface.tags, taken]), axis=0, return_inverse=True)[1].reshape(-1)
     strata = surface_strata(SurfaceMesh(surface.points, surface.triangles, both), crease_angle)
@@ -85,11 +85,6 @@ def _cut(
     of_label[label[::-1]] = own.strata.patch[::-1]
     carried[strata.patch] = of_label[taken]
     return Reference(surface.points, strata, np.tile([0, -1], (patches, 1)), own.regions, carried)
-
-
-def _areas(points: Floats, triangles: Ints) -> Floats:
-    areas: Floats = np.linalg.norm(normals(points, triangles), axis=1) / 2.0
-    return areas
 
 
 def _borders(points: Floats, triangles: Ints, label: Ints, crease_angle: float) -> tuple[Ints, Bools]:
