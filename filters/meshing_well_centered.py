@@ -44,6 +44,7 @@ from wct_plugin.meshing.reference_choice import choose
 from wct_plugin.meshing.reference_fit import check_near, gap
 from wct_plugin.meshing.released_creases import measure_released
 from wct_plugin.meshing.search_mesh import SearchMesh
+from wct_plugin.meshing.surface_edges import Lengths, longest_edges
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.transfer import carry, resampled
 from wct_plugin.obstructions.remaining_tets import list_remaining
@@ -88,6 +89,12 @@ class MeshingOptions(Options):
         description="Edge length in the mesh's unit: a number > 0, one per point, the name of point data, or one per"
         " region or group of facets, * for the rest: oxide=0.01,*=0.1 (none, or no *: the input's own); shorter where"
         " the tolerance needs it",
+    )
+    surface_edges: float = Field(
+        1.25,
+        gt=0,
+        description="How long edges of the surface may be, in the input's own there, on average; on groups and"
+        " interfaces 0.84 of that; more where edge_length says so",
     )
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"
@@ -362,9 +369,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         )
         fresh = None
         if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
-            fresh = search.resampled(reference, within, wanted)
+            most = None if wanted is not None else longest_edges(mesh, own, reference, options.surface_edges)
+            lengths = Lengths(wanted, most)
+            fresh = search.resampled(reference, within, lengths)
         if fresh is not None:
-            tried = search.run_finer(fresh, reference, within, wanted)
+            tried = search.run_finer(fresh, reference, within, lengths)
             if periodic:
                 tried = _with_pairs(periodic, search, tried, within)
         else:

@@ -187,7 +187,7 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
                          const std::optional<Array> &held_patch, const std::optional<Array> &held_edges,
                          const std::optional<Array> &held_curves, bool cosines, std::uint64_t seed,
                          const nb::object &progress, double gap, double flat, const nb::object &expected,
-                         unsigned threads, const std::optional<Array> &local) {
+                         unsigned threads, const std::optional<Array> &local, const std::optional<Array> &most) {
     trim();
     domain::SurfaceData surface =
         surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
@@ -212,6 +212,8 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
     options.sizing.tolerance = tolerance;
     if (local)
         options.sizing.local = sizes_of(*local, surface.points.size(), "local_tolerance");
+    if (most)
+        options.sizing.most = sizes_of(*most, surface.points.size(), "surface_size");
     options.sizing.limits = limits_of(finer_at, finer_size);
     options.cosines = cosines;
     options.seed = seed;
@@ -267,7 +269,7 @@ void bind_resample(nb::module_ &m) {
         nb::arg("held_edges") = nb::none(), nb::arg("held_curves") = nb::none(), nb::arg("cosines") = true,
         nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap,
         nb::arg("flat") = 0.0, nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
-        nb::arg("local_tolerance") = nb::none(),
+        nb::arg("local_tolerance") = nb::none(), nb::arg("surface_size") = nb::none(),
         "Resample a domain with tets that are nearly all well-centered.\n\n"
         "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
         "ids\n"
@@ -277,7 +279,8 @@ void bind_resample(nb::module_ &m) {
         "mesh and surface, in the mesh's unit. local_tolerance: the same per\n"
         "surface point, where it is less in places. size: wanted edge length per mesh point, default the mesh's own "
         "local\n"
-        "one. folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
+        "one. surface_size: longest edges wanted per surface point.\n"
+        "folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
         "(k,): edges are no longer than this round these places.\n"
         "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"
         "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). held_points, "

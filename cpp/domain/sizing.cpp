@@ -31,6 +31,8 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     limit_by_places(); // not of the surface's own sizes, which grow slower with the distance and over large triangles
     limit_by_thickness(workers);
     surface = limit_;
+    for (std::size_t v = 0; v < form.most.size(); ++v)
+        surface[v] = std::min(surface[v], form.most[v]);
     limit_by_curvature();
     limit_by_bends();
     limit_by_creases();

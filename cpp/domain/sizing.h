@@ -23,6 +23,7 @@ struct SizingForm {
     double gap = 1.0;          // size per distance to the other side of a gap outside
     bool sharp = true;         // shorter edges along sharp edges
     double coarsen = 1.0;      // how far inside sizes may exceed the input's own
+    std::vector<double> most;  // longest edges wanted per point of the surface; empty: as inside
     std::vector<SizeLimit> limits;
 
     /// The least of a patch.
@@ -70,9 +71,6 @@ class Sizing {
     /// Edge length per reference vertex. After changing it call grade().
     std::vector<double> surface;
     void grade();
-
-    /// What thickness and the input allow at a reference vertex, whatever the curvature.
-    double limit(std::size_t vertex) const { return limit_[vertex]; }
 
   private:
     void make_input_sizes(std::span<const double> wanted);

@@ -21,6 +21,8 @@ class LatticeLevels {
         const double range = std::log(std::max(1.0, coarsest / finest));
         const int steps = static_cast<int>(std::lround(range / std::log(step)));
         ratio_ = steps > 0 ? std::exp(range / steps) : step;
+        if (steps == 0) // one level in all, but for outliers: that of most of the volume
+            finest = coarsest;
         // The outliers get levels of their own: cells coarser than their size leave them with too few points.
         const int finer = static_cast<int>(std::ceil(std::log(finest / least) / std::log(ratio_) - 0.05));
         count_ = 1 + steps + finer;

@@ -268,7 +268,9 @@ class LatticeLevel {
             return;
         const domain::Foot foot = reference_.nearest(p, -1, hint);
         hint = foot.triangle;
-        if (foot.distance <= form_.least_depth * cell_)
+        const auto &[behind, before] = reference_.data().sides[reference_.data().patch[foot.triangle]];
+        const double depth = behind < 0 || before < 0 ? form_.least_depth : form_.interface_depth;
+        if (foot.distance <= depth * cell_)
             return;
         const int region = map_.region(p, foot);
         if (region >= 0)

@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial import cKDTree
 from support.boxes import CUBE, box, cube_surface
 from support.builders import ball, fin, kuhn_cube, l_shape
-from support.core_meshes import FACETS, start
+from support.core_meshes import FACETS, completely_well_centered, start
+from support.gmsh_bodies import ball_in_box
 
 from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
@@ -200,6 +201,30 @@ def test_edges_are_shorter_round_places_where_they_are_to_be():
         _core.resample(**cube_surface(), **given, finer_at=place)
     with pytest.raises(ValueError, match="finer_size"):
         _core.resample(**cube_surface(), **given, finer_at=place, finer_size=np.array([0.0]))
+
+
+@pytest.fixture(scope="module")
+def two_regions(tmp_path_factory):
+    return ball_in_box(tmp_path_factory.mktemp("ball"), 0.12)
+
+
+@pytest.mark.parametrize("edge", [0.13, 0.12, 0.11, 0.1])
+def test_starts_are_well_centered_on_both_sides_of_an_interface(two_regions, edge):
+    own = own_boundary(two_regions, 40.0)
+    found = start(two_regions, own, own.auto_tolerance(), size=np.full(len(two_regions.points), edge))
+    good = completely_well_centered(found["points"], found["tets"])
+    assert found["intact"]
+    assert good.mean() > 0.95  # 83 to 86 % where points of the lattice lie in the spheres of the interface's facets
+
+
+def test_a_few_shorter_edges_on_the_surface_leave_the_lattice_inside_as_it_is(two_regions):
+    own = own_boundary(two_regions, 40.0)
+    starts = [
+        start(two_regions, own, own.auto_tolerance(), size=np.full(len(two_regions.points), edge))
+        for edge in (0.1, 0.0975)
+    ]
+    fewer, more = (len(found["tets"]) for found in starts)
+    assert more / fewer < (0.1 / 0.0975) ** 3 + 0.1
 
 
 def test_same_input_same_bits():

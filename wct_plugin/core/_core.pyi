@@ -262,6 +262,7 @@ def resample(
     expected: Callable[[float], Any] | None = None,
     threads: int = 0,
     local_tolerance: NDArray[np.float64] | None = None,
+    surface_size: NDArray[np.float64] | None = None,
 ) -> ResampledArrays:
     """Resample a domain with tets that are nearly all well-centered.
 
@@ -269,13 +270,14 @@ def resample(
     ``curve`` (s,), ``corners`` (c,), ``sides`` (patches, 2): the region behind a patch's triangles and the one before,
     -1 outside. The mesh that says what is inside: ``points`` (n, 3), ``tets`` (m, 4), ``region`` (m,) from 0.
     ``tolerance``: greatest distance between mesh and surface, a length. ``size`` (n,): wanted edge length per mesh
-    point, else the mesh's own local one. ``folds`` (f, 2): edges that bend as creases do and are none. ``finer_at``
-    (k, 3), ``finer_size`` (k,): edges are no longer than this round these places. ``kept_points`` (k, 3),
-    ``kept_stratum``, ``kept_label`` (k,): the points of a mesh, with the patch, curve, surface point or, inside, region
-    of each; they stay, but for those within ``anew_radius`` (z,) of ``anew_at`` (z, 3), and what is beside moves.
-    ``held_points`` (h, 3), ``held_stratum``, ``held_label`` (h,) in the same way, ``held_facets`` (g, 3) between them,
-    running as the surface's triangles do, and ``held_patch`` (g,): the facets of some patches, all of them, that are to
-    be in the mesh; ``held_edges`` (e, 2) in the same way of ``held_curves`` (c,).
+    point, else the mesh's own local one. ``surface_size`` (p,): the longest edges wanted on the surface. ``folds``
+    (f, 2): edges that bend as creases do and are none. ``finer_at`` (k, 3), ``finer_size`` (k,): edges are no longer
+    than this round these places. ``kept_points`` (k, 3), ``kept_stratum``, ``kept_label`` (k,): the points of a mesh,
+    with the patch, curve, surface point or, inside, region of each; they stay, but for those within ``anew_radius``
+    (z,) of ``anew_at`` (z, 3), and what is beside moves. ``held_points`` (h, 3), ``held_stratum``, ``held_label`` (h,)
+    in the same way, ``held_facets`` (g, 3) between them, running as the surface's triangles do, and ``held_patch``
+    (g,): the facets of some patches, all of them, that are to be in the mesh; ``held_edges`` (e, 2) in the same way of
+    ``held_curves`` (c,).
     ``progress(done, bad)`` as in :func:`move_vertices`. ``gap``: how long edges beside a gap outside may be, in widths
     of the gap. ``flat``, a length: as far off a plane or line vertices may be that count as on it, if that is more than
     1e-9 of its extent. ``expected(tets)`` hears about how many tets there will be, before any is made, but for a mesh

@@ -17,6 +17,7 @@ from wct_plugin.meshing.released_creases import without
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
 from wct_plugin.meshing.search_mesh import SearchMesh, from_search
 from wct_plugin.meshing.stitching import stitched
+from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.obstructions import fixed_facets
 from wct_plugin.types import Floats, Ints
@@ -97,7 +98,7 @@ class LocalSearch:
         self,
         on: Reference,
         tolerance: Tolerance,
-        size: Floats | None,
+        lengths: Lengths,
         finer: ShorterEdges | None = None,
         restart: PartialRestart | None = None,
         attempt: int = 0,
@@ -122,7 +123,8 @@ class LocalSearch:
             np.searchsorted(on.regions, self.mesh.regions),
             tolerance.most,
             local_tolerance=tolerance.local,
-            size=size,
+            size=lengths.inside,
+            surface_size=lengths.surface,
             folds=on.folds,
             flat=on.flat,
             finer_at=finer and finer.at,
@@ -178,7 +180,7 @@ class LocalSearch:
         return start if held is None or held.is_in(start, np.unique(held.patch)) else None
 
     def run_finer(
-        self, start: SearchMesh, on: Reference, tolerance: Tolerance, size: Floats | None
+        self, start: SearchMesh, on: Reference, tolerance: Tolerance, lengths: Lengths
     ) -> "list[SearchedArrays]":
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
@@ -197,10 +199,10 @@ class LocalSearch:
             again = None
             if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
                 gone = fewest["released"]
-                again = self._partial_restart(self._without(on, gone), tolerance, size, finer, tried)
+                again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:
                     gone = gone[:0]
-                    again = self.resampled(on, tolerance, size, finer, attempt=len(tried))
+                    again = self.resampled(on, tolerance, lengths, finer, attempt=len(tried))
             if self.listen.stopped:
                 return tried
             if again is None:  # nothing else is left to try than more of the same
@@ -211,7 +213,7 @@ class LocalSearch:
         self,
         on: Reference,
         tolerance: Tolerance,
-        size: Floats | None,
+        lengths: Lengths,
         finer: ShorterEdges,
         tried: "list[SearchedArrays]",
     ) -> SearchMesh | None:
@@ -220,7 +222,7 @@ class LocalSearch:
         vain = len(tried) - 1 - [one["bad"] for one in tried].index(fewest["bad"])
         for wider in range(_PARTIAL_RESTARTS):
             restart = PartialRestart.of(fewest, vain + wider, held=self.held is not None)
-            start = restart and self.resampled(on, tolerance, size, finer, restart, len(tried))
+            start = restart and self.resampled(on, tolerance, lengths, finer, restart, len(tried))
             if start is not None:
                 return start
         return None

@@ -22,6 +22,7 @@ from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.restart import PartialRestart
 from wct_plugin.meshing.search_mesh import SearchMesh, from_search
+from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.types import Floats, Ints
 
 if TYPE_CHECKING:  # the stubs' names are not in the module
@@ -149,12 +150,12 @@ class PeriodicSurface:
         """
         from scipy.spatial import cKDTree  # here: importing a filter to see its options should not take it
 
-        size = plain["size"][cKDTree(plain["points"]).query(self.mesh.points)[1]]
+        lengths = Lengths(plain["size"][cKDTree(plain["points"]).query(self.mesh.points)[1]])
         tried: list[SearchedArrays] = []
         for attempt in range(_ATTEMPTS):
             again = replace(search, seed=search.seed + attempt)
             try:
-                tried += self._matched_once(again, plain, tolerance, size, anew=self.shared or attempt > 0)
+                tried += self._matched_once(again, plain, tolerance, lengths, anew=self.shared or attempt > 0)
             except Unmatched:
                 if attempt + 1 == _ATTEMPTS and not tried:
                     raise
@@ -163,27 +164,27 @@ class PeriodicSurface:
         return tried
 
     def _matched_once(
-        self, search: LocalSearch, plain: "SearchedArrays", tolerance: Tolerance, size: Floats, *, anew: bool
+        self, search: LocalSearch, plain: "SearchedArrays", tolerance: Tolerance, lengths: Lengths, *, anew: bool
     ) -> "list[SearchedArrays]":
         """From a first mesh, plain or made ``anew`` with the curves that are shared, to others with its facets."""
         on, first, found = self.own, search, plain
         if anew:
             lines = self._lines(_Located.of(from_search(plain), on, search.held))
             first = _holding(search, lines, on)
-            start = first.resampled(on, tolerance, size)
+            start = first.resampled(on, tolerance, lengths)
             if start is None:
                 raise Unmatched("no mesh was found with the curves that they share")
-            found = best(first.run_finer(start, on, tolerance, size))
+            found = best(first.run_finer(start, on, tolerance, lengths))
         located = _Located.of(from_search(found), on, first.held)
         taken = set() if search.held is None else set(search.held.patch.tolist())
         held = self._faces(located, self._lines(located), taken)
         second = _holding(search, held, on)
-        start = second.resampled(on, tolerance, size, restart=self._restart(found, held))
+        start = second.resampled(on, tolerance, lengths, restart=self._restart(found, held))
         if start is None:
-            start = second.resampled(on, tolerance, size)
+            start = second.resampled(on, tolerance, lengths)
         if start is None:
             raise Unmatched("no mesh was found with facets that match")
-        return second.run_finer(start, on, tolerance, size)
+        return second.run_finer(start, on, tolerance, lengths)
 
     def _restart(self, found: "SearchedArrays", held: HeldSurface) -> PartialRestart:
         """What was found, to be made anew beside the patches that get other facets."""
