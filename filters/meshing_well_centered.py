@@ -94,7 +94,7 @@ class MeshingOptions(Options):
         1.25,
         gt=0,
         description="How long edges of the surface may be, in the input's own there, on average; on groups and"
-        " interfaces 0.84 of that; more where edge_length says so",
+        " interfaces 0.82 of that; more where edge_length says so",
     )
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"

@@ -42,8 +42,8 @@ def test_groups_and_interfaces_are_kept_finer():
     z, y = mesh.points[:, 2], mesh.points[:, 1]
     inner = (y > 0.0) & (y < 1.0) & (mesh.points[:, 0] > 0.0) & (mesh.points[:, 0] < 1.0)
     bottom = found[inner & (z == 0.0)]
-    assert found[z == 1.0] == pytest.approx(0.84 * bottom[0])
-    assert found[inner & (z == 0.5)] == pytest.approx(0.84 * bottom[0])
+    assert found[z == 1.0] == pytest.approx(0.82 * bottom[0])
+    assert found[inner & (z == 0.5)] == pytest.approx(0.82 * bottom[0])
 
 
 def test_another_surface_takes_the_lengths_of_the_facets_nearby():
@@ -64,7 +64,9 @@ def test_the_surface_keeps_its_edges_and_a_contact_more_so():
     better, found = apply_filter("meshing_well_centered", mesh)
     coarse, _ = apply_filter("meshing_well_centered", mesh, surface_edges=3.0)
     assert found["bad"] == 0
-    own = mean_edge(mesh.points, mesh.topology.boundary)
-    assert mean_edge(better.points, better.topology.boundary) <= 1.25 * own
-    assert mean_edge(better.points, better.facets.vertices) <= 1.1 * mean_edge(mesh.points, contact)
-    assert mean_edge(coarse.points, coarse.topology.boundary) > 1.1 * mean_edge(better.points, better.topology.boundary)
+    edges = [mean_edge(one.points, one.topology.boundary) for one in (mesh, better, coarse)]
+    assert edges[1] <= 1.25 * edges[0]
+    assert edges[2] > 1.05 * edges[1]
+    on_contact = [mean_edge(one.points, one.facets.vertices) for one in (mesh, better, coarse)]
+    assert on_contact[1] <= 1.1 * on_contact[0]
+    assert on_contact[2] > 1.1 * on_contact[1]

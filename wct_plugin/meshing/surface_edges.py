@@ -11,8 +11,8 @@ from wct_plugin.mesh.triangle_surfaces import surface_edges
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Bools, Floats
 
-#: Of tagged groups and interfaces, by what the rest may be: 1.1 where that is 1.25.
-_GROUPS = 0.84
+#: Of tagged groups and interfaces, in what the rest may be: so they come out below 1.1 where that is 1.25.
+_GROUPS = 0.82
 #: Meshes come out so much coarser than asked for, on average.
 _COARSER = 1.05
 #: How often lengths are averaged with their neighbours', and the range up to which they are one length but for scatter.
@@ -30,7 +30,7 @@ class Lengths(NamedTuple):
 def longest_edges(mesh: TetMesh, own: Reference, on: Reference, factor: float) -> Floats:
     """(s,) per point of the surface ``on``: ``factor`` times the edges of the mesh's own surface nearby, a length.
 
-    On tagged groups and interfaces the factor is .88 of that; a point of several patches gets the least of theirs.
+    On tagged groups and interfaces the factor is .82 of that; a point of several patches gets the least of theirs.
     """
     triangles, patch = own.strata.triangles, own.strata.patch
     lengths = _own_edges(own) * np.where(_grouped(mesh, own), _GROUPS, 1.0)[patch][:, None] * (factor / _COARSER)
@@ -51,7 +51,8 @@ def _own_edges(own: Reference) -> Floats:
     at, of = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     at[wedge], of[wedge] = triangles, patch[:, None]
     i, k = surface_edges(wedge, count)[0].T
-    edge = np.log(np.linalg.norm(own.points[at[i]] - own.points[at[k]], axis=1))
+    edge = np.linalg.norm(own.points[at[i]] - own.points[at[k]], axis=1)
+    edge = np.log(np.maximum(edge, np.finfo(np.float64).tiny))
     ends = np.bincount(i, minlength=count) + np.bincount(k, minlength=count)
     lengths = (np.bincount(i, edge, count) + np.bincount(k, edge, count)) / ends
     for _ in range(_AVERAGED):
