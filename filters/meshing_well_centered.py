@@ -117,8 +117,10 @@ class MeshingOptions(Options):
         description="Accept, as on scans, that creases which leave well-centered tets no place become ordinary surface,"
         " and that more of its edges bend",
     )
-    periodic: bool = Field(
-        False, description="Sides that are translates of each other, as a periodic cell's are, match again"
+    periodic: bool | None = Field(
+        None,
+        description="Sides that are translates of each other, as a periodic cell's are, match again (none: where the"
+        " file says that they are periodic)",
     )
     force: bool = Field(False, description="Make the mesh anew although it meets the goal")
 
@@ -160,8 +162,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     curved does. Of the other creases, those that their angle alone makes and that hold tets back for long become
     ordinary surface within the tolerance, as on scans.
     With ``boundary`` keep or fixed the inside is filled anew between the surface facets, with up to twice the tets;
-    where only some groups of facets stay, all else is resampled round them. With ``periodic``, sides that are
-    translates of each other match again, vertex for vertex.
+    where only some groups of facets stay, all else is resampled round them. With ``periodic``, and where the file
+    says so, sides that are translates of each other match again, vertex for vertex.
     Where those or facets and edges tagged inside a region rule a new start out, the search starts from the mesh itself.
     Holes of the reference are closed and what of it runs on inside the body is cut off, by MeshLab, and followed where
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
@@ -216,8 +218,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             **found.work,
             "tolerance": tolerance / (surface or mesh).diagonal,
             "default_tolerance": self.options.tolerance is None,
-            "periodic": _sides(mesh, better),
         }
+
+    def _wants_pairs(self, mesh: TetMesh) -> bool:
+        return mesh.periodic if self.options.periodic is None else self.options.periodic
 
     def _whole(
         self,
@@ -231,7 +235,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
-        pairs = find_periodic(normalized) if self.options.periodic else []
+        pairs = find_periodic(normalized) if self._wants_pairs(mesh) else []
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
         periodic = None
@@ -527,6 +531,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         boundaries = [(old.points, old.topology.boundary)]
         if other and surface is not None:
             boundaries.append((surface.points, surface.triangles))
+        sides = _sides(old, new)
         sharp = measure_sharp(boundaries, (new.points, new.topology.boundary), options.crease_angle)
         losses = find_losses(
             kept,
@@ -534,6 +539,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             sharp,
             (measure_region_topology(old), measure_region_topology(new)),
             found.work.get("released") or _no_crease(own),
+            sides if self._wants_pairs(old) else None,
             allowed=allowed,
             allow_released=options.allow_released,
         )
@@ -552,7 +558,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             stopped=found.work["stopped"],
         )
         shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
-        said: Metrics = {"groups": groups, "sharp_edges": sharp, "losses": losses}
+        said: Metrics = {"groups": groups, "sharp_edges": sharp, "periodic": sides, "losses": losses}
         return {"bad": left["count"], "tets": len(new.tets), **kept, **said, "shape": shape, "remaining": left}
 
     def _own_start(

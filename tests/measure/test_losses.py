@@ -13,13 +13,14 @@ from wct_plugin.mesh import Cells, TetMesh
 KEPT = {"creases": 0, "length": 0.0}
 
 
-def losses(old, new, *, released=KEPT, allow_released=False, tolerance=1e-3):
+def losses(old, new, *, released=KEPT, sides=None, allow_released=False, tolerance=1e-3):
     return find_losses(
         measure_fidelity(old, new, None),
         measure_groups(old, new, {}),
         measure_sharp([(old.points, old.topology.boundary)], (new.points, new.topology.boundary), 40.0),
         (measure_region_topology(old), measure_region_topology(new)),
         released,
+        sides,
         allowed=tolerance,
         allow_released=allow_released,
     )
@@ -33,6 +34,14 @@ def without(mesh, where):
 def test_the_same_mesh_loses_nothing():
     mesh = two_region_cube(3)
     assert losses(mesh, mesh) == []
+
+
+def test_pairs_of_periodic_sides_that_match_no_more():
+    mesh = kuhn_cube(2)
+    assert losses(mesh, mesh, sides={"before": 3, "after": 3}) == []
+    [lost] = losses(mesh, mesh, sides={"before": 3, "after": 1})
+    assert (lost["kind"], lost["before"], lost["after"], lost["allowed"]) == ("periodic", 3.0, 1.0, 3.0)
+    assert lost["text"] == "3 pairs of periodic sides matched, vertex for vertex; 1 do now"
 
 
 def test_a_volume_that_changes_by_more_than_half_a_percent():

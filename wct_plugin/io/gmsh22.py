@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.io.gmsh_sections import KINDS, OWN, end, put, put_data, put_format, put_names
+from wct_plugin.io.periodic_sides import PeriodicSides, put_periodic
 from wct_plugin.types import Ints
 
 
@@ -18,6 +19,7 @@ def write(
     names: Mapping[str, Any],
     point_data: Mapping[str, NDArray[Any]],
     cell_data: Mapping[str, list[NDArray[Any]]],
+    periodic: list[PeriodicSides],
     *,
     binary: bool,
 ) -> None:
@@ -47,6 +49,8 @@ def write(
             put(file, binary, table.astype(np.int32))
             first += len(rows)
         end(file, binary, "Elements")
+        entity = dict(zip((kind for kind, _ in cells), cell_data[OWN[1]], strict=True))
+        put_periodic(file, binary, "2.2", periodic, lambda row: int(entity["triangle"][row]))
         for name, values in point_data.items():
             put_data(file, binary, "NodeData", name, values)
         for name, columns in cell_data.items():

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.io.gmsh_sections import KINDS, OWN, end, put, put_data, put_format, put_names
+from wct_plugin.io.periodic_sides import PeriodicSides, put_periodic
 from wct_plugin.types import Ints
 
 
@@ -35,6 +36,7 @@ def write(
     names: Mapping[str, Any],
     point_data: Mapping[str, NDArray[Any]],
     cell_data: Mapping[str, list[NDArray[Any]]],
+    periodic: list[PeriodicSides],
     *,
     binary: bool,
 ) -> None:
@@ -52,6 +54,10 @@ def write(
         _write_entities(file, binary, points, every)
         _write_nodes(file, binary, points, max(every, key=lambda one: one.dimension))
         _write_elements(file, binary, every)
+        facets = [one for one in every if one.dimension == 2]
+        put_periodic(
+            file, binary, "4.1", periodic, lambda row: next(one.number for one in facets if row in one.members)
+        )
         for name, values in point_data.items():
             put_data(file, binary, "NodeData", name, values)
         for name, columns in cell_data.items():

@@ -14,6 +14,7 @@ from wct_plugin.io import gmsh22, gmsh41, obj, off, ply, tetgen_face_file
 from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_readers import overheard
+from wct_plugin.io.periodic_sides import PeriodicSides
 from wct_plugin.io.reader import NAME
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
@@ -32,6 +33,7 @@ class Content:
     cell_sets: dict[str, list[NDArray[np.int64]]]
     names: dict[str, NDArray[np.int64]]
     groups: dict[str, dict[int, NDArray[np.int64]]]  #: by kind of cell, the members of groups that share cells
+    periodic: list[PeriodicSides]
 
     def mesh(self, **extra: Any) -> Any:
         """All of it but the names as a meshio mesh."""
@@ -85,10 +87,11 @@ def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:
     """Meshio's text has arrays that nothing reads, and its version 4.1 groups that neither gmsh nor meshio reads."""
     points, cells, names = content.points, content.cells, content.names
     point_data, cell_data, binary = content.point_data, content.cell_data, bool(msh.binary)
+    periodic = content.periodic
     if msh.version == "4.1":
-        gmsh41.write(path, points, cells, content.groups, names, point_data, cell_data, binary=binary)
+        gmsh41.write(path, points, cells, content.groups, names, point_data, cell_data, periodic, binary=binary)
     else:
-        gmsh22.write(path, points, cells, names, point_data, cell_data, binary=binary)
+        gmsh22.write(path, points, cells, names, point_data, cell_data, periodic, binary=binary)
 
 
 def _write_xdmf(path: Path, content: Content) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import formats, obj, off, ply
 from wct_plugin.io.meshio_readers import load, refusing
+from wct_plugin.io.periodic_sides import is_periodic
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
 #: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
@@ -172,6 +173,7 @@ def from_meshio(
         names=names,
         tag_name=tag_name,
         source=source,
+        periodic=is_periodic(raw, lost),
     )
 
 

@@ -16,6 +16,7 @@ from wct_plugin.io.atomic_files import replacing
 from wct_plugin.io.formats import PYVISTA, Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
+from wct_plugin.io.periodic_sides import numbered, sides_of
 from wct_plugin.io.reader import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
@@ -125,7 +126,7 @@ def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[s
         points = _rounded(points)
         if (points != mesh.points).any():
             lost.append("digits of coordinates beyond what 16 characters hold")
-    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {})
+    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {}, [])
     _put_point_data(content, mesh, form, lost)
     _put_cell_data(content, blocks, form, lost)
     _put_tags(content, blocks, mesh, form, lost)
@@ -133,6 +134,8 @@ def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[s
     if form.name == "gmsh" and isinstance(mesh, TetMesh):
         content.groups = {block.kind: _take_groups(block, mesh.names) for block in blocks}
     _put_sets(content, blocks, point_sets, form, lost)
+    if isinstance(mesh, TetMesh) and mesh.periodic:
+        _put_periodic(content, mesh, form, lost)
     names = mesh.names if isinstance(mesh, TetMesh) else {}
     for name, pair in names.items():
         if form.names and not set('"\n\\') & set(name):
@@ -249,6 +252,16 @@ def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format,
             content.point_data[_spelled(SET + name, form)] = array
         else:
             lost.append(f"set {name!r} of points")
+
+
+def _put_periodic(content: Content, mesh: TetMesh, form: Format, lost: list[str]) -> None:
+    content.periodic = sides_of(mesh) if form.name == "gmsh" else []
+    if not content.periodic:
+        lost.append("which sides are periodic")
+        return
+    for k, (kind, _) in enumerate(content.cells):
+        if kind == "triangle":
+            content.cell_data[ENTITIES][k] = numbered(content.periodic, content.cell_data[ENTITIES][k])
 
 
 def _take_groups(block: _Block, names: Mapping[str, tuple[int, int]]) -> dict[int, NDArray[np.int64]]:

@@ -19,7 +19,7 @@ _TOPOLOGY = {
 class Loss(TypedDict):
     """Something that was to be kept: ``before``, ``after`` and the greatest or smallest ``allowed``, in its unit."""
 
-    kind: str  #: deviation, interface, volume, group, sharp edges, creases, topology
+    kind: str  #: deviation, interface, volume, group, sharp edges, creases, topology, periodic
     name: str  #: region, group or interface; empty for the whole
     before: float
     after: float
@@ -33,13 +33,15 @@ def find_losses(
     sharp: Sharp | None,
     topology: tuple[dict[str, RegionTopology], dict[str, RegionTopology]],
     released: Released,
+    sides: Mapping[str, int] | None,
     *,
     allowed: float,
     allow_released: bool,
 ) -> list[Loss]:
     """Everything that is farther off than it may be; ``allowed``: the tolerance, as a fraction of the diagonal.
 
-    ``allow_released``: creases that were given up, and more edges that bend, are none.
+    ``sides``: how many pairs of periodic sides match, before and after, where they are to. ``allow_released``: creases
+    that were given up, and more edges that bend, are none.
     """
     out: list[Loss] = []
     far = {"": kept["deviation"]["fraction_of_diagonal"]} | {
@@ -71,6 +73,10 @@ def find_losses(
     for tag, name, before, after in changes(*topology):
         text = f"region {tag}: {_TOPOLOGY[name]}: {before} before, {after} now"
         out.append(_loss("topology", tag, float(before), float(after), float(before), text))
+    if sides and sides["after"] < sides["before"]:
+        before, after = sides["before"], sides["after"]
+        text = f"{before} pairs of periodic sides matched, vertex for vertex; {after} do now"
+        out.append(_loss("periodic", "", float(before), float(after), float(before), text))
     return out
 
 

@@ -130,7 +130,8 @@ class TetMesh:
     ``regions`` (m,) a tag per tet; ``facets``, ``edges``, ``nodes`` the tagged cells that came with the tets;
     ``point_data`` / ``cell_data`` arrays per point / per tet; ``point_sets`` / ``tet_sets`` named index arrays;
     ``names`` physical names as in gmsh: name -> (tag, dimension); ``tag_name`` the array the tags came from;
-    ``reference`` the surface the boundary should stay near, where the pipeline knows it; ``source`` the file.
+    ``reference`` the surface the boundary should stay near, where the pipeline knows it; ``source`` the file;
+    ``periodic`` whether sides that are translates of each other are meant to match, as gmsh's files say it.
 
     Construction turns negative tets round and drops points no tet uses (data and tags follow); :attr:`repairs` counts
     both. Raises :class:`wct_plugin.errors.InputError` for NaN, indices out of range, duplicate tets and tets of zero
@@ -152,6 +153,7 @@ class TetMesh:
     reference: SurfaceMesh | None = None
     source: str = ""
     repairs: Repairs = Repairs()
+    periodic: bool = False
 
     def __post_init__(self) -> None:
         points = _points(self.points)

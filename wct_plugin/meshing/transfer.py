@@ -95,6 +95,7 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
         old.reference,
         old.source,
         old.repairs,
+        old.periodic,
     )
 
 
