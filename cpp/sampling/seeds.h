@@ -21,8 +21,8 @@ struct SeedForm {
     static constexpr double least_depth = 0.52;   // of lattice points off what is outside, in cells
     /// Off interfaces and sheets: the spheres of their facets are as deep on both sides, and empty only so.
     static constexpr double interface_depth = 0.82;
-    static constexpr double level_gap = 0.72;     // between points of different levels, in mean cells
-    static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
+    static constexpr double level_gap = 0.72; // between points of different levels, in mean cells
+    static constexpr double jitter = 2e-3;    // of lattice points, in edge lengths: exact lattices are degenerate
 };
 
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
