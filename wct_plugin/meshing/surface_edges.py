@@ -70,7 +70,7 @@ def _own_edges(own: Reference) -> Floats:
 
 def _grouped(mesh: TetMesh, own: Reference) -> Bools:
     """(patches,) which are interfaces or of a tagged group."""
-    found: Bools = (own.sides >= 0).all(axis=1)
+    found: Bools = np.all(own.sides >= 0, axis=1)
     facets = mesh.facets
     member = facets.tags != 0
     for rows in masks(facets.sets, len(facets)).values():
