@@ -58,7 +58,7 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
     options.seed = seed;
     if (size) { // what is asked for is not to be adapted
         options.size = 1.0;
-        options.seeds = sampling::SeedForm{};
+        options.seeds.edge_per_cell = sampling::SeedForm{}.edge_per_cell;
         options.most = std::numeric_limits<double>::infinity();
     }
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };

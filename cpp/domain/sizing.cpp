@@ -112,10 +112,25 @@ void Sizing::limit_by_places() {
             smallest_ = std::min(smallest_, input_[v]);
 }
 
+double Sizing::sag() const {
+    double volume = 0.0, area = 0.0;
+    for (const auto &[a, b, c, d] : mesh_.tets) {
+        const Vec3 &p = mesh_.points[a];
+        volume += std::fabs(dot(cross(mesh_.points[b] - p, mesh_.points[c] - p), mesh_.points[d] - p)) / 6.0;
+    }
+    for (std::size_t t = 0; t < reference_.data().triangles.size(); ++t)
+        if (!reference_.planar(reference_.data().patch[t]))
+            area += reference_.area(static_cast<int>(t));
+    const double lost = form_.lost_depth * form_.tolerance * area / volume;
+    const double free = lost > form_.lost_volume ? form_.lost_volume / lost : 1.0;
+    return form_.keeping_sag + free * (form_.sag - form_.keeping_sag);
+}
+
 void Sizing::limit_by_curvature() {
+    const double allowed = sag();
     const auto lower = [&](int vertex, double sag) {
         if (sag > 0.0)
-            surface[vertex] = std::min(surface[vertex], std::sqrt(form_.sag * form_.tolerance_at(vertex) / sag));
+            surface[vertex] = std::min(surface[vertex], std::sqrt(allowed * form_.tolerance_at(vertex) / sag));
     };
     for (int w = 0; w < reference_.wedges(); ++w)
         lower(reference_.wedge_vertex(w), unit_sag(reference_.curvature(w)[0], reference_.curvature(w)[1]));

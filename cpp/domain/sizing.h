@@ -31,6 +31,12 @@ struct SizingForm {
     double tolerance_at(int vertex) const { return local.empty() ? tolerance : local[vertex]; }
 
     static constexpr double sag = 1.31; // sag of a typical facet, as a multiple of the tolerance
+    /// The same where the tolerance is large by the domain's own thickness: vertices over a facet that deep can stand
+    /// out far enough to keep the volume.
+    static constexpr double keeping_sag = 0.95;
+    /// What a sag of 1.31 loses of the volume, in tolerances times the area, and the share that may be lost.
+    static constexpr double lost_depth = 0.1;
+    static constexpr double lost_volume = 0.0025;
     /// Gap, and crease, that is told apart by sizes, in tolerances: in folds gaps go to nothing.
     static constexpr double narrowest = 8.0;
     static constexpr double surface_grade = 0.15; // growth of the size per distance, along the surface
@@ -74,6 +80,8 @@ class Sizing {
 
   private:
     void make_input_sizes(std::span<const double> wanted);
+    /// Of a typical facet, as a multiple of the tolerance, that keeps the domain's volume.
+    double sag() const;
     void limit_by_places();
     void limit_by_curvature();
     /// Where a patch bends between two large triangles, curvature, which is smoothed, says too little: no facet may cut

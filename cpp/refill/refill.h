@@ -19,7 +19,8 @@ namespace wct::refill {
 struct RefillOptions {
     double size = 0.8; // of the new tets, relative to the input's own or the wanted size
     double most = 2.0; // tets per tet of the input; larger ones are made where that would be passed
-    sampling::SeedForm seeds{.edge_per_cell = 1.2};
+    /// Facets that stay have spheres of their own that points keep off.
+    sampling::SeedForm seeds{.edge_per_cell = 1.2, .interface_depth = sampling::SeedForm::least_depth};
     bool cosines = true;
     std::uint64_t seed = 1;
 

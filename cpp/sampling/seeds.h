@@ -14,15 +14,16 @@ namespace wct::sampling {
 
 struct SeedForm {
     double edge_per_cell = 1.1; // boundary edge per lattice cell
+    /// Of lattice points off interfaces and sheets, in cells: the spheres of their facets are as deep on both sides,
+    /// and empty only so.
+    double interface_depth = 0.82;
 
     static constexpr double patch_spacing = 0.78; // least distance of patch points, in edge lengths
     static constexpr double front_spacing = 0.8;  // the same where a patch is filled by a growing pattern
     static constexpr double level_ratio = 1.3;    // of the lattice's cells from one level to the next
     static constexpr double least_depth = 0.52;   // of lattice points off what is outside, in cells
-    /// Off interfaces and sheets: the spheres of their facets are as deep on both sides, and empty only so.
-    static constexpr double interface_depth = 0.82;
-    static constexpr double level_gap = 0.72; // between points of different levels, in mean cells
-    static constexpr double jitter = 2e-3;    // of lattice points, in edge lengths: exact lattices are degenerate
+    static constexpr double level_gap = 0.72;     // between points of different levels, in mean cells
+    static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
 };
 
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a

@@ -195,7 +195,8 @@ class LocalSearch:
             if not len(found["stuck"]) or self.listen.stopped or worth == np.inf:
                 return tried
             fewest = best(tried)
-            finer = finer.about(fewest["points"][self._free(fewest)])
+            free = self._free(fewest)
+            finer = finer.about(fewest["points"][free].mean(axis=1), fewest["size"][free].mean(axis=1))
             again = None
             if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
                 gone = fewest["released"]

@@ -31,10 +31,9 @@ class ShorterEdges(NamedTuple):
         """No place."""
         return cls(np.empty((0, 3)), np.empty(0))
 
-    def about(self, corners: Floats) -> "ShorterEdges":
-        """These places and the middles of tets, whose ``corners`` (n, 4, 3) are too far apart to come right."""
-        at, edge = middles(corners)
-        return ShorterEdges(np.vstack([self.at, at]), np.concatenate([self.size, _SHARE * edge]))
+    def about(self, at: Floats, wanted: Floats) -> "ShorterEdges":
+        """These places and others (n, 3), where edges of the length ``wanted`` (n,) were too long to come right."""
+        return ShorterEdges(np.vstack([self.at, at]), np.concatenate([self.size, _SHARE * wanted]))
 
 
 #: Radius within which points are new, in edges of the tet that is stuck: more would undo what came right round it. It
