@@ -53,7 +53,10 @@ def growth(mesh: wct.TetMesh, step: float, time: float) -> float:
 def main() -> float:
     """Give the stable time step on the finest well-centered mesh, over its mean edge length."""
     meshes = [cube(size) for size in SIZES]
-    better = [wct.apply_filter("meshing_well_centered", mesh, goal="3wc")[0] for mesh in meshes]
+    better = [
+        wct.apply_filter("meshing_well_centered", mesh, goal="3wc", edge_length=1.4 * size)[0]
+        for mesh, size in zip(meshes, SIZES, strict=True)
+    ]
     found = [resonances(mesh) for mesh in better]
     errors = [abs(float(first.mean()) / (2.0 * np.pi**2) - 1.0) for first, _ in found]
     order = float(np.polyfit(np.log([len(mesh.tets) ** (-1 / 3) for mesh in better]), np.log(errors), 1)[0])

@@ -14,6 +14,7 @@ from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import own_boundary
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
+from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.meshing.tet_limit import TetLimit
 
 FACES = ((0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0))
@@ -108,7 +109,7 @@ def test_a_fixed_curved_patch_stays_between_ends_that_move():
 
 def test_tets_on_facets_that_rule_the_goal_out_are_no_reason_to_start_again():
     mesh = with_faces(kuhn_cube(3))
-    out, found = optimize(mesh, {"1": "fixed"})
+    out, found = optimize(mesh, {"1": "fixed"}, surface_edges=3.0)
     assert found["bad"] == found["remaining"]["proven"] > 0
     assert {one["option"] for one in found["remaining"]["tets"]} == {"boundary=keep or move there"}
     assert len(out.tets) < 1.5 * len(mesh.tets)
@@ -124,14 +125,14 @@ def test_a_partial_restart_keeps_the_fixed_face(acute, monkeypatch):
     listen = Listener(lambda _: True, 0)
     fixed, within = np.flatnonzero(stays), Tolerance(1e-3)
     search = LocalSearch(acute, "move", True, 0.02, 1, 0, listen, TetLimit(None, listen), held, fixed)
-    start = search.resampled(own, within, None)
+    start = search.resampled(own, within, Lengths())
     found = search.run(start, own, within)
     corner = found["points"][found["tets"]].mean(axis=1).sum(axis=1).argmin()  # beside the face
     again = search.resampled(
         own,
         within,
-        None,
-        ShorterEdges.nowhere().about(found["points"][found["tets"][[corner]]]),
+        Lengths(),
+        ShorterEdges.nowhere(),
         PartialRestart.of({**found, "stuck": np.array([corner])}, 0)._replace(radius=np.array([0.4])),
         1,
     )

@@ -394,7 +394,8 @@ def test_the_output_is_never_worse_than_the_input(monkeypatch):
     def worse(**given):
         found = search(**given | {"passes": 0, "kicks": 0})
         regions = np.zeros(len(bad.tets), dtype=np.int64)
-        return found | {"points": bad.points, "tets": bad.tets, "regions": regions, "facets": bad.topology.boundary[:0]}
+        none = bad.topology.boundary[:0]
+        return found | {"points": bad.points, "tets": bad.tets, "regions": regions, "facets": none, "stuck": none[:, 0]}
 
     monkeypatch.setattr(_core, "search_well_centered", worse)
     with pytest.warns(WctWarning, match="nothing better was found"):
