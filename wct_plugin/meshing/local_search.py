@@ -32,6 +32,10 @@ _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
 _FINER_HELD = 2  #: the same beside facets that are held
+#: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth: a whole
+#: start with shorter edges takes longer, has more tets, and comes right no oftener.
+_FEW_STUCK = 0.002
+_PATIENCE = 6.0
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -184,9 +188,10 @@ class LocalSearch:
     ) -> "list[SearchedArrays]":
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
-        Where that is in few places, the rest of it stays, and creases that it gave up stay so.
+        Where much of the first is, its search goes on before that. Where the best is stuck in few places, the rest of
+        it stays, and creases that it gave up stay so.
         """
-        tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
+        tried, finer, worth, patient = [], ShorterEdges.nowhere(), self.worth, 0
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         while True:
             found = self.run(start, self._without(on, gone), tolerance, worth)
@@ -195,10 +200,14 @@ class LocalSearch:
             if not len(found["stuck"]) or self.listen.stopped or worth == np.inf:
                 return tried
             fewest = best(tried)
+            if len(tried) == 1 and len(fewest["stuck"]) > _FEW_STUCK * len(fewest["tets"]):
+                start, gone, worth, patient = from_search(fewest), fewest["released"], _PATIENCE * self.worth, 1
+                continue
+            worth = self.worth
             free = self._free(fewest)
             finer = finer.about(fewest["points"][free].mean(axis=1), fewest["size"][free].mean(axis=1))
             again = None
-            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
+            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER) + patient:
                 gone = fewest["released"]
                 again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:

@@ -10,10 +10,6 @@ if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin.core._core import SearchedArrays
 
 
-#: Edges there, as a share of those of the tets that are stuck.
-_SHARE = 0.8
-
-
 def middles(corners: Floats) -> tuple[Floats, Floats]:
     """Centroids (n, 3) and mean edge lengths (n,) of tets, whose ``corners`` are (n, 4, 3)."""
     edges = corners[:, [0, 0, 0, 1, 1, 2]] - corners[:, [1, 2, 3, 2, 3, 3]]
@@ -21,7 +17,7 @@ def middles(corners: Floats) -> tuple[Floats, Floats]:
 
 
 class ShorterEdges(NamedTuple):
-    """Edges are no longer than ``size`` (k,) round the places ``at`` (k, 3)."""
+    """Edges are no longer than ``size`` (k,) round the places ``at`` (k, 3), for some lengths of them."""
 
     at: Floats
     size: Floats
@@ -32,8 +28,12 @@ class ShorterEdges(NamedTuple):
         return cls(np.empty((0, 3)), np.empty(0))
 
     def about(self, at: Floats, wanted: Floats) -> "ShorterEdges":
-        """These places and others (n, 3), where edges of the length ``wanted`` (n,) were too long to come right."""
-        return ShorterEdges(np.vstack([self.at, at]), np.concatenate([self.size, _SHARE * wanted]))
+        """These places and others (n, 3): edges round them are as short as was ``wanted`` (n,) there.
+
+        That is no shorter at the place itself: where sizes of the lattice change from cell to cell, fewer tets come
+        right than in another start of even size.
+        """
+        return ShorterEdges(np.vstack([self.at, at]), np.concatenate([self.size, wanted]))
 
 
 #: Radius within which points are new, in edges of the tet that is stuck: more would undo what came right round it. It
@@ -42,7 +42,7 @@ _RADIUS = 1.4
 _GROWTH = 1.4
 #: Share of stuck tets up to which the rest is worth keeping: more beside facets that are held, with which shorter edges
 #: do not go.
-_FEW = 0.002
+_FEW = 0.012
 _FEW_HELD = 0.02
 
 
