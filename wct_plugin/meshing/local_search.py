@@ -32,8 +32,11 @@ _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
 _FINER_HELD = 2  #: the same beside facets that are held
-#: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth: a whole
-#: start with shorter edges takes longer, has more tets, and comes right no oftener.
+#: Edges round what is stuck, in those that were wanted there: no shorter in the first starts, as where sizes of the
+#: lattice change from cell to cell, fewer tets come right; the last are for places that need more points.
+_SHARES = (1.0, 1.0, 0.6, 0.6, 0.6)
+#: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth: a
+#: whole start with shorter edges takes longer, has more tets, and comes right no oftener.
 _FEW_STUCK = 0.002
 _PATIENCE = 6.0
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
@@ -191,7 +194,7 @@ class LocalSearch:
         Where much of the first is, its search goes on before that. Where the best is stuck in few places, the rest of
         it stays, and creases that it gave up stay so.
         """
-        tried, finer, worth, patient = [], ShorterEdges.nowhere(), self.worth, 0
+        tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         while True:
             found = self.run(start, self._without(on, gone), tolerance, worth)
@@ -201,13 +204,14 @@ class LocalSearch:
                 return tried
             fewest = best(tried)
             if len(tried) == 1 and len(fewest["stuck"]) > _FEW_STUCK * len(fewest["tets"]):
-                start, gone, worth, patient = from_search(fewest), fewest["released"], _PATIENCE * self.worth, 1
+                start, gone, worth = from_search(fewest), fewest["released"], _PATIENCE * self.worth
                 continue
             worth = self.worth
             free = self._free(fewest)
-            finer = finer.about(fewest["points"][free].mean(axis=1), fewest["size"][free].mean(axis=1))
+            share = _SHARES[min(len(tried), len(_SHARES)) - 1]
+            finer = finer.about(fewest["points"][free].mean(axis=1), share * fewest["size"][free].mean(axis=1))
             again = None
-            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER) + patient:
+            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
                 gone = fewest["released"]
                 again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:

@@ -28,11 +28,7 @@ class ShorterEdges(NamedTuple):
         return cls(np.empty((0, 3)), np.empty(0))
 
     def about(self, at: Floats, wanted: Floats) -> "ShorterEdges":
-        """These places and others (n, 3): edges round them are as short as was ``wanted`` (n,) there.
-
-        That is no shorter at the place itself: where sizes of the lattice change from cell to cell, fewer tets come
-        right than in another start of even size.
-        """
+        """These places and others (n, 3), where edges of a length (n,) are ``wanted``."""
         return ShorterEdges(np.vstack([self.at, at]), np.concatenate([self.size, wanted]))
 
 
