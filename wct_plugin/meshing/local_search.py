@@ -32,9 +32,9 @@ _KICKS = 4000
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
 _FINER_HELD = 2  #: the same beside facets that are held
-#: Edges round what is stuck, in those that were wanted there. Where the first starts at that length do not come right, a
-#: body of one region needs more points, as between two creases that run together. At interfaces, with points enough on
-#: both sides, another start of even size comes right oftener than one whose lattice changes from cell to cell.
+#: Edges round what is stuck, in those that were wanted there. Where the first starts at that length do not come right,
+#: a body of one region needs more points, as between two creases that run together. At interfaces, with points enough
+#: on both sides, another start of even size comes right oftener than one whose lattice changes from cell to cell.
 _SHARES = (1.0, 1.0, 0.6)
 #: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth: a
 #: whole start with shorter edges takes longer, has more tets, and comes right no oftener.
