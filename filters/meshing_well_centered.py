@@ -93,8 +93,8 @@ class MeshingOptions(Options):
     surface_edges: float = Field(
         1.25,
         gt=0,
-        description="How long edges of the surface may be, in the input's own there, on average; on groups and"
-        " interfaces 0.82 of that; more where edge_length says so",
+        description="How long edges of the surface may be on average, in the input's own there; on groups and"
+        " interfaces 0.82 of that; of no effect with edge_length",
     )
     crease_angle: float = Field(
         40.0, gt=0, lt=180, description="Boundary edges that bend more than this are creases, in degrees"
