@@ -155,8 +155,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
 
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
-    Where that is stuck, it goes on for longer, then starts again, with shorter edges there in bodies of one region,
-    five times at most; if few tets are stuck, the rest stays.
+    Where that is stuck, it goes on for longer, then starts again with shorter edges there, five times at most; if few
+    tets are, the rest stays.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Planes, straight creases and corners at them are kept exactly, and those that a file rounded are put right first;
     but for those smaller than 28 tolerances and 3 % of the diagonal: these move within the tolerance, as all that is

@@ -133,4 +133,4 @@ def test_a_result_with_few_stuck_tets_is_kept_but_for_its_pinned_corners(right):
     wider = PartialRestart.of(stuck, 2)
     assert wider is not None
     assert wider.radius > renewal.radius
-    assert PartialRestart.of({**found, "stuck": np.arange(len(found["tets"]) // 100)}, 0) is None
+    assert PartialRestart.of({**found, "stuck": np.arange(len(found["tets"]) // 50)}, 0) is None

@@ -34,8 +34,9 @@ _FINER = 5
 _FINER_HELD = 2  #: the same beside facets that are held
 #: Edges round what is stuck, in those that were wanted there. Where the first starts at that length do not come right,
 #: a body of one region needs more points, as between two creases that run together. At interfaces, with points enough
-#: on both sides, another start of even size comes right oftener than one whose lattice changes from cell to cell.
+#: on both sides, a start of nearly even size comes right oftener than one whose lattice changes from cell to cell.
 _SHARES = (1.0, 1.0, 0.6)
+_AT_INTERFACES = 0.8
 #: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth: a
 #: whole start with shorter edges takes longer, has more tets, and comes right no oftener.
 _FEW_STUCK = 0.002
@@ -209,7 +210,7 @@ class LocalSearch:
                 continue
             worth = self.worth
             free = self._free(fewest)
-            share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else 1.0
+            share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else _AT_INTERFACES
             finer = finer.about(fewest["points"][free].mean(axis=1), share * fewest["size"][free].mean(axis=1))
             again = None
             if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
