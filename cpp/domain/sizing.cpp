@@ -45,11 +45,11 @@ void Sizing::make_input_sizes(std::span<const double> wanted) {
     const std::size_t count = mesh_.points.size();
     std::vector<double> volume(count, 0.0);
     std::vector<double> tets(count, 0.0);
-    double all = 0.0;
+    volume_ = 0.0;
     for (const auto &[a, b, c, d] : mesh_.tets) {
         const Vec3 &p = mesh_.points[a];
         const double v = std::fabs(dot(cross(mesh_.points[b] - p, mesh_.points[c] - p), mesh_.points[d] - p)) / 6.0;
-        all += v;
+        volume_ += v;
         for (const int at : {a, b, c, d}) {
             volume[at] += v;
             tets[at] += 1.0;
@@ -88,7 +88,7 @@ void Sizing::make_input_sizes(std::span<const double> wanted) {
     // What is uniform but for scatter is treated as uniform: then the lattice is one piece.
     uniform_ = largest_ < 1.5 * smallest_;
     if (uniform_) {
-        const double one = wanted.empty() ? cell(all, static_cast<double>(mesh_.tets.size())) / kCellPerEdge
+        const double one = wanted.empty() ? cell(volume_, static_cast<double>(mesh_.tets.size())) / kCellPerEdge
                                           : 0.5 * (smallest_ + largest_);
         input_.assign(count, one);
         smallest_ = largest_ = one;
@@ -113,15 +113,11 @@ void Sizing::limit_by_places() {
 }
 
 double Sizing::sag() const {
-    double volume = 0.0, area = 0.0;
-    for (const auto &[a, b, c, d] : mesh_.tets) {
-        const Vec3 &p = mesh_.points[a];
-        volume += std::fabs(dot(cross(mesh_.points[b] - p, mesh_.points[c] - p), mesh_.points[d] - p)) / 6.0;
-    }
+    double area = 0.0;
     for (std::size_t t = 0; t < reference_.data().triangles.size(); ++t)
         if (!reference_.planar(reference_.data().patch[t]))
             area += reference_.area(static_cast<int>(t));
-    const double lost = form_.lost_depth * form_.tolerance * area / volume;
+    const double lost = form_.lost_depth * form_.tolerance * area / volume_;
     const double free = lost > form_.lost_volume ? form_.lost_volume / lost : 1.0;
     return form_.keeping_sag + free * (form_.sag - form_.keeping_sag);
 }

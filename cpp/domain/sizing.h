@@ -115,6 +115,7 @@ class Sizing {
     SharpEdges sharp_;
     SharpEdges notches_;
     std::vector<double> input_; // per input point
+    double volume_ = 0.0;       // of the input
     bool uniform_ = false;
     std::vector<double> limit_;
     std::vector<double> inside_; // thickness of walls per triangle, infinite where none is

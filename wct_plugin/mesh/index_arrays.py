@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wct_plugin.types import Bools, Ints
+from wct_plugin.types import Bools, Floats, Ints
 
 
 def components(rows: Ints, columns: Ints, count: int) -> Ints:
@@ -22,6 +22,15 @@ def masks(sets: Mapping[str, Ints], count: int) -> dict[str, Bools]:
     for name, members in sets.items():
         out[name][members] = True
     return out
+
+
+def averaged(values: Floats, i: Ints, k: Ints, times: int) -> Floats:
+    """Values (n,) averaged, so many ``times``, with those at the other ends of the edges between ``i`` and ``k``."""
+    count = len(values)
+    many = 1.0 + np.bincount(i, minlength=count) + np.bincount(k, minlength=count)
+    for _ in range(times):
+        values = (values + (np.bincount(i, values[k], count) + np.bincount(k, values[i], count))) / many
+    return values
 
 
 def find_rows(rows: Ints, wanted: Ints, count: int) -> Ints:

@@ -6,14 +6,14 @@ import numpy as np
 
 from wct_plugin.errors import OptionError
 from wct_plugin.mesh import TetMesh
-from wct_plugin.mesh.index_arrays import masks
+from wct_plugin.mesh.index_arrays import averaged, masks
 from wct_plugin.meshing import per_group
 from wct_plugin.types import Bools, Floats, Ints
 
 #: Edge length per cell of a body-centered cubic lattice, and how often lengths are averaged with their neighbours', as
 #: the core has it.
 _EDGE_PER_CELL = 1.05
-_AVERAGED = 4
+AVERAGED = 4
 
 
 def lengths_of_groups(wanted: Mapping[str, float], mesh: TetMesh) -> Floats:
@@ -58,10 +58,7 @@ def own_lengths(mesh: TetMesh) -> Floats:
     around = np.bincount(corners, np.repeat(volume, 4), count) / np.bincount(corners, minlength=count)
     lengths = np.log(_EDGE_PER_CELL * np.cbrt(12.0 * around))
     i, k = mesh.topology.edges.T
-    many = 1.0 + np.bincount(i, minlength=count) + np.bincount(k, minlength=count)
-    for _ in range(_AVERAGED):
-        lengths = (lengths + np.bincount(i, lengths[k], count) + np.bincount(k, lengths[i], count)) / many
-    found: Floats = np.exp(lengths)
+    found: Floats = np.exp(averaged(lengths, i, k, AVERAGED))
     return found
 
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from wct_plugin.core import _core
 from wct_plugin.mesh import TetMesh
-from wct_plugin.mesh.index_arrays import distinct_rows, find_rows, masks
+from wct_plugin.mesh.index_arrays import averaged, distinct_rows, find_rows
 from wct_plugin.mesh.triangle_surfaces import surface_edges
+from wct_plugin.meshing.grouped_lengths import AVERAGED
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Bools, Floats
 
@@ -15,8 +16,7 @@ from wct_plugin.types import Bools, Floats
 _GROUPS = 0.82
 #: Meshes come out so much coarser than asked for, on average.
 _COARSER = 1.05
-#: How often lengths are averaged with their neighbours', and the range up to which they are one length but for scatter.
-_AVERAGED = 4
+#: The range up to which lengths are one length but for scatter.
 _UNIFORM = 1.5
 
 
@@ -55,9 +55,7 @@ def _own_edges(own: Reference) -> Floats:
     edge = np.log(np.maximum(edge, np.finfo(np.float64).tiny))
     ends = np.bincount(i, minlength=count) + np.bincount(k, minlength=count)
     lengths = (np.bincount(i, edge, count) + np.bincount(k, edge, count)) / ends
-    for _ in range(_AVERAGED):
-        around = np.bincount(i, lengths[k], count) + np.bincount(k, lengths[i], count)
-        lengths = (lengths + around) / (1.0 + ends)
+    lengths = averaged(lengths, i, k, AVERAGED)
     patches = int(patch.max()) + 1
     least, most = np.full(patches, np.inf), np.full(patches, -np.inf)
     np.minimum.at(least, of, lengths)
@@ -73,8 +71,8 @@ def _grouped(mesh: TetMesh, own: Reference) -> Bools:
     found: Bools = np.all(own.sides >= 0, axis=1)
     facets = mesh.facets
     member = facets.tags != 0
-    for rows in masks(facets.sets, len(facets)).values():
-        member |= rows
+    for rows in facets.sets.values():
+        member[rows] = True
     row = find_rows(np.sort(own.strata.triangles, axis=1), np.sort(facets.vertices[member], axis=1), len(mesh.points))
     found[own.strata.patch[row[row >= 0]]] = True
     return found
