@@ -66,6 +66,11 @@ std::vector<int> patches_of(const Cloud &cloud, const domain::Reference &referen
     return {};
 }
 
+bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point) {
+    const std::vector<int> own = patches_of(cloud, reference, point);
+    return std::any_of(own.begin(), own.end(), [&](int patch) { return !reference.planar(patch); });
+}
+
 std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points) {
     std::vector<int> shared = patches_of(cloud, reference, points.front());
     for (const int point : points.subspan(1)) {

@@ -40,6 +40,8 @@ struct Cloud {
 
 /// The patches a point of the cloud belongs to, ascending.
 std::vector<int> patches_of(const Cloud &cloud, const domain::Reference &reference, int point);
+/// Whether any of these is curved.
+bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point);
 /// The patches all of these points belong to (at least one), ascending.
 std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points);
 

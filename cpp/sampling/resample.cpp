@@ -2,6 +2,7 @@
 
 #include "geometry/euler_characteristic.h"
 #include "sampling/crease_recovery.h"
+#include "sampling/lost_domain.h"
 #include "sampling/odt_relaxation.h"
 #include "sampling/pinch_mending.h"
 #include "sampling/sharp_edge_rows.h"
@@ -133,11 +134,6 @@ void settle(Cloud &cloud, const domain::Reference &reference, const HeldSurface 
     while (drop_twins(cloud) || thin_creases(cloud, reference));
 }
 
-bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point) {
-    const std::vector<int> own = patches_of(cloud, reference, point);
-    return std::any_of(own.begin(), own.end(), [&](int patch) { return !reference.planar(patch); });
-}
-
 /// Points whose surface edges cut across a bend, but for those of sharp edges, which are far from the next.
 std::vector<char> curved_points(const Cloud &cloud, const domain::Reference &reference,
                                 const domain::SharpEdges &sharp) {
@@ -159,14 +155,6 @@ void refresh_sizes(Cloud &cloud, const domain::Sizing &sizing, const Workers &wo
     workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
 }
 
-/// Points where the domain is not represented, but for corners: sheets of the input itself may touch there.
-std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
-    std::vector<int> lost = flaws.exposed;
-    lost.insert(lost.end(), flaws.pinched.begin(), flaws.pinched.end());
-    std::erase_if(lost, [&](int v) { return cloud.role[v] == Stratum::corner; });
-    return lost;
-}
-
 /// Shrink sizes at points where facets are too large: sheets touched each other, facets cut across, or creases have
 /// gaps.
 void refine(const Cloud &cloud, const std::vector<int> &touched, const domain::Reference &reference,
@@ -180,51 +168,6 @@ void refine(const Cloud &cloud, const std::vector<int> &touched, const domain::R
         }
     }
     sizing.grade();
-}
-
-/// Corners of facets that cut far across from one planar patch to another: nothing brings such a facet back, as planes
-/// are kept by keeping their vertices in them. Where single triangles of noise are patches, some are a little off; to
-/// give up the whole start for them would cost far more.
-std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &complex,
-                               const domain::Reference &reference, double tolerance) {
-    constexpr double far = 4.0; // tolerances
-    const auto off = [&](const std::array<int, 3> &facet) {
-        const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
-        for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
-            if (reference.nearest(p).distance > far * tolerance)
-                return true;
-        return false;
-    };
-    std::vector<int> corners;
-    for (const auto &facet : surface_facets(complex))
-        if (shared_patches(cloud, reference, facet).empty() &&
-            std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
-            off(facet))
-            corners.insert(corners.end(), facet.begin(), facet.end());
-    return corners;
-}
-
-/// Ends of crease edges that are missing beside planes that are kept exactly. Vertices are kept there by their labels,
-/// and facets by the creases between them: past a gap, facets would get from one plane to the next.
-std::vector<int> open_creases(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
-                              const domain::SizingForm &sizing) {
-    std::vector<int> ends;
-    for (const CreaseGap &gap : crease_gaps(cloud, reference, complex)) {
-        const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
-        if (std::any_of(patches.begin(), patches.end(),
-                        [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); }))
-            ends.insert(ends.end(), {gap.first, gap.second});
-    }
-    return ends;
-}
-
-/// Points where planes are not represented.
-std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
-                             const domain::SizingForm &sizing) {
-    std::vector<int> lost = across_planes(cloud, complex, reference, sizing.tolerance);
-    const std::vector<int> open = open_creases(cloud, complex, reference, sizing);
-    lost.insert(lost.end(), open.begin(), open.end());
-    return lost;
 }
 
 /// Interior points that lie open on the surface become surface points, or go where they would crowd it: a flood of them
