@@ -26,10 +26,8 @@ from wct_plugin.measure.released_creases import Released
 from wct_plugin.measure.shape_floor import measure_shape_floor
 from wct_plugin.measure.thin_walls import thinnest
 from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
-from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.periodic import find_periodic
 from wct_plugin.mesh.strata import find_strata
-from wct_plugin.mesh.triangle_surfaces import surface_edges
 from wct_plugin.meshing import boundary_choice, coincident, conforming, edge_length, parts_work, planes, search_mesh
 from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
@@ -373,7 +371,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             fixed[:0] if periodic is None else periodic.firm,
         )
         fresh = None
-        if moves and not _has_sheets(mesh, own) and not _has_wires(mesh, own):
+        if moves and not _has_rough_sheets(mesh, own):
             most = None if wanted is not None else longest_edges(mesh, own, reference, options.surface_edges)
             lengths = Lengths(wanted, most)
             fresh = search.resampled(reference, within, lengths)
@@ -661,10 +659,13 @@ def _has_sheets(mesh: TetMesh, own: Reference) -> bool:
     return len(own.strata.triangles) > len(mesh.topology.boundary) + len(mesh.topology.interfaces)
 
 
-def _has_wires(mesh: TetMesh, own: Reference) -> bool:
-    """Whether edges off every surface are tagged."""
-    on_surface = surface_edges(own.strata.triangles, len(mesh.points))[0]
-    return bool((find_rows(on_surface, own.strata.segments, len(mesh.points)) < 0).any())
+def _has_rough_sheets(mesh: TetMesh, own: Reference) -> bool:
+    """Whether facets tagged inside regions bend at most of their edges, as picked from a mesh: all corners stay then.
+
+    No new start can have better tets beside them, and sizes between them go to nothing.
+    """
+    patch = own.strata.patch[len(mesh.topology.boundary) + len(mesh.topology.interfaces) :]
+    return 2 * len(np.unique(patch)) > len(patch)
 
 
 def _load(reference: SurfaceMesh | str | None) -> SurfaceMesh | None:

@@ -4,6 +4,7 @@
 #include "geometry/box_tree.h"
 #include "geometry/plane.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -66,6 +67,13 @@ class Reference {
     double diagonal() const { return diagonal_; }
     int patches() const { return static_cast<int>(planar_.size()); }
     bool planar(int patch) const { return planar_[patch]; }
+    /// Whether the patch lies inside a region.
+    bool sheet(int patch) const { return data_.sides[patch][0] >= 0 && data_.sides[patch][0] == data_.sides[patch][1]; }
+    /// Whether the curve lies inside a region: at the rim of sheets, or with no patch beside, as a wire.
+    bool inside(int curve) const {
+        return std::all_of(curve_patches_[curve].begin(), curve_patches_[curve].end(),
+                           [&](int patch) { return sheet(patch); });
+    }
     /// Whether it is planar and so large that the local search keeps it exactly.
     bool keeps(int patch, double tolerance) const;
     const std::vector<Curve> &curves() const { return curves_; }

@@ -28,6 +28,7 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     const auto &points = reference.data().points;
     limit_.resize(points.size());
     workers.for_each(points.size(), 512, [&](std::size_t v) { limit_[v] = form.coarsen * input_size(points[v]); });
+    limit_by_wires();
     limit_by_places(); // not of the surface's own sizes, which grow slower with the distance and over large triangles
     limit_by_thickness(workers);
     surface = limit_;
@@ -94,6 +95,24 @@ void Sizing::make_input_sizes(std::span<const double> wanted) {
         smallest_ = largest_ = one;
     } else {
         limit_gradient(input_, mesh_.points, around, form_.inner_grade);
+    }
+}
+
+void Sizing::limit_by_wires() {
+    constexpr double much = 0.85; // of the size there: for less, a finer level of the lattice would be too much
+    for (std::size_t c = 0; c < reference_.curves().size(); ++c) {
+        const Curve &curve = reference_.curves()[c];
+        if (!reference_.patches_at_curve(static_cast<int>(c)).empty())
+            continue;
+        for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
+            const int v = curve.vertices[k];
+            const double sag = norm(curve.bend[k]) / 8.0;
+            double size = form_.most.empty() ? kInfinity : form_.most[v];
+            if (sag > 0.0)
+                size = std::min(size, std::sqrt(form_.sag * form_.tolerance_at(v) / sag));
+            if (size < much * limit_[v])
+                form_.limits.push_back({reference_.data().points[v], size});
+        }
     }
 }
 

@@ -82,6 +82,8 @@ class Sizing {
     void make_input_sizes(std::span<const double> wanted);
     /// Of a typical facet, as a multiple of the tolerance, that keeps the domain's volume.
     double sag() const;
+    /// Places along wires, which no triangle's size tells of.
+    void limit_by_wires();
     void limit_by_places();
     void limit_by_curvature();
     /// Where a patch bends between two large triangles, curvature, which is smoothed, says too little: no facet may cut

@@ -82,6 +82,21 @@ std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &ref
     return shared;
 }
 
+std::vector<char> on_wires(const Cloud &cloud, const domain::Reference &reference) {
+    std::vector<char> ends(reference.data().points.size(), 0);
+    for (std::size_t c = 0; c < reference.curves().size(); ++c) {
+        const domain::Curve &curve = reference.curves()[c];
+        if (!curve.vertices.empty() && reference.patches_at_curve(static_cast<int>(c)).empty())
+            ends[curve.vertices.front()] = ends[curve.vertices.back()] = 1;
+    }
+    std::vector<char> out(cloud.count(), 0);
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        out[i] = cloud.role[i] == Stratum::crease   ? reference.patches_at_curve(cloud.label[i]).empty()
+                 : cloud.role[i] == Stratum::corner ? ends[cloud.label[i]]
+                                                    : 0;
+    return out;
+}
+
 bool drop_twins(Cloud &cloud) {
     std::vector<std::size_t> order(cloud.count());
     std::iota(order.begin(), order.end(), std::size_t{0});

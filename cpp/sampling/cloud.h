@@ -45,6 +45,9 @@ bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point
 /// The patches all of these points belong to (at least one), ascending.
 std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points);
 
+/// Which points are on wires, curves inside a region with no patch beside, their ends too.
+std::vector<char> on_wires(const Cloud &cloud, const domain::Reference &reference);
+
 /// Drop points that coincide with another: of two the one that is freer to move goes, else the later one, and no given
 /// one. True if any did.
 bool drop_twins(Cloud &cloud);

@@ -16,6 +16,21 @@ constexpr double kOn = 0.2;
 
 using Edges = std::vector<std::array<int, 2>>;
 
+/// Edges that a crease may run along: those of the surface, and where there is none, of tets.
+Edges possible_creases(const Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex) {
+    Edges edges = surface_edges(complex);
+    const std::vector<char> wire = on_wires(cloud, reference);
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+        for (const auto &[i, j] : kEdges) {
+            const int v = complex.all.tets[t][i], w = complex.all.tets[t][j];
+            if (complex.region[t] >= 0 && (wire[v] || wire[w]))
+                edges.push_back({std::min(v, w), std::max(v, w)});
+        }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+}
+
 std::vector<CreaseGap> find_gaps(const Cloud &cloud, const domain::Reference &reference, const Edges &edges) {
     std::vector<CreaseGap> gaps;
     const auto chains = curve_chains(cloud, reference);
@@ -69,12 +84,12 @@ int standing_in(const CreaseGap &gap, const std::vector<int> &near, double size,
 
 std::vector<CreaseGap> crease_gaps(const Cloud &cloud, const domain::Reference &reference,
                                    const RestrictedDelaunay &complex) {
-    return find_gaps(cloud, reference, surface_edges(complex));
+    return find_gaps(cloud, reference, possible_creases(cloud, reference, complex));
 }
 
 int recover_creases(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
                     const HeldSurface *held, const Workers &workers) {
-    const Edges edges = surface_edges(complex);
+    const Edges edges = possible_creases(cloud, reference, complex);
     const std::vector<CreaseGap> gaps = find_gaps(cloud, reference, edges);
     if (gaps.empty())
         return 0;

@@ -1,6 +1,7 @@
 #include "sampling/lost_domain.h"
 
 #include "sampling/crease_recovery.h"
+#include "sampling/sheets.h"
 
 #include <algorithm>
 #include <array>
@@ -31,15 +32,16 @@ std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &com
     return corners;
 }
 
-/// Ends of crease edges that are missing beside planes that are kept exactly. Vertices are kept there by their labels,
-/// and facets by the creases between them: past a gap, facets would get from one plane to the next.
+/// Ends of crease edges that are missing along wires, which are nothing else, and beside planes that are kept exactly.
+/// Vertices are kept there by their labels, and facets by the creases between them: past a gap, facets would get from
+/// one plane to the next.
 std::vector<int> open_creases(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
                               const domain::SizingForm &sizing) {
     std::vector<int> ends;
     for (const CreaseGap &gap : crease_gaps(cloud, reference, complex)) {
         const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
-        if (std::any_of(patches.begin(), patches.end(),
-                        [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); }))
+        if (patches.empty() || std::any_of(patches.begin(), patches.end(),
+                                           [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); }))
             ends.insert(ends.end(), {gap.first, gap.second});
     }
     return ends;
@@ -59,6 +61,8 @@ std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &compl
     std::vector<int> lost = across_planes(cloud, complex, reference, sizing.tolerance);
     const std::vector<int> open = open_creases(cloud, complex, reference, sizing);
     lost.insert(lost.end(), open.begin(), open.end());
+    const std::vector<int> torn = torn_sheets(cloud, reference, complex);
+    lost.insert(lost.end(), torn.begin(), torn.end());
     return lost;
 }
 

@@ -6,6 +6,7 @@
 #include "sampling/odt_relaxation.h"
 #include "sampling/pinch_mending.h"
 #include "sampling/sharp_edge_rows.h"
+#include "sampling/sheets.h"
 #include "sampling/tet_estimate.h"
 
 #include <algorithm>
@@ -36,7 +37,10 @@ void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, con
         const double offset = options.offset * half * size * size / 16.0 + correction[reference.wedge_vertex(w)];
         reference.offset[w] = std::clamp(offset, -most, most);
     }
-    for (domain::Curve &curve : reference.curves()) {
+    for (std::size_t c = 0; c < reference.curves().size(); ++c) {
+        domain::Curve &curve = reference.curves()[c];
+        if (reference.inside(static_cast<int>(c))) // keeps its own corners
+            continue;
         for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
             const double size = sizing.surface[curve.vertices[k]];
             const double most = options.shell * options.sizing.tolerance_at(curve.vertices[k]);
@@ -223,9 +227,15 @@ void keep_upright(Cloud &cloud, const RestrictedDelaunay &complex, const std::ve
 Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map, const HeldSurface *held,
                 double shell, std::vector<Vec3> &direction, RestrictedDelaunay &complex, std::vector<int> &touched,
                 const Workers &workers) {
-    settle(cloud, reference, held, shell, direction, workers);
-    complex = restricted_delaunay(cloud, reference, map, workers, held);
-    Flaws flaws = find_flaws(cloud, complex);
+    const auto look = [&] {
+        settle(cloud, reference, held, shell, direction, workers);
+        complex = restricted_delaunay(cloud, reference, map, workers, held);
+        Flaws flaws = find_flaws(cloud, complex);
+        const std::vector<int> piercing = piercing_points(cloud, reference, complex, workers);
+        flaws.exposed.insert(flaws.exposed.end(), piercing.begin(), piercing.end());
+        return flaws;
+    };
+    Flaws flaws = look();
     for (int pass = 0; pass < 4; ++pass) {
         const bool promoted = promote(cloud, reference, complex, flaws);
         if (promoted) { // points may have gone, and with them the complex's numbers
@@ -234,9 +244,7 @@ Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::
         }
         if (recover_creases(cloud, reference, complex, held, workers) == 0 && !promoted)
             break;
-        settle(cloud, reference, held, shell, direction, workers);
-        complex = restricted_delaunay(cloud, reference, map, workers, held);
-        flaws = find_flaws(cloud, complex);
+        flaws = look();
     }
     touched = flaws.pinched;
     return mend_pinches(cloud, reference, complex, std::move(flaws));

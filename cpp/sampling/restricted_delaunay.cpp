@@ -2,6 +2,7 @@
 
 #include "base/disjoint_sets.h"
 #include "sampling/held_surface.h"
+#include "sampling/sheets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +89,7 @@ std::array<int, 3> RestrictedDelaunay::facet(int t, int i) const {
 
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
                                      const HeldSurface *held) {
-    RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}};
+    RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}, {}};
     if (held)
         held->recover(cloud, complex.all);
     const auto &tets = complex.all.tets;
@@ -126,6 +127,7 @@ RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Referen
     peel(cloud, reference, complex);
     if (held)
         held->label(cloud, complex);
+    find_sheets(cloud, reference, complex, workers);
     return complex;
 }
 

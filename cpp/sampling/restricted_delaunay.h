@@ -6,6 +6,7 @@
 #include "sampling/cloud.h"
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 namespace wct::sampling {
@@ -16,6 +17,8 @@ class HeldSurface;
 struct RestrictedDelaunay {
     delaunay::Triangulation all;
     std::vector<int> region;
+    /// Per tet a bit for each facet that lies on a sheet, opposite the corner of that number; empty: there is no sheet.
+    std::vector<std::uint8_t> sheets;
 
     /// Corners of the facet of tet t opposite corner i, outward.
     std::array<int, 3> facet(int t, int i) const;
@@ -24,18 +27,22 @@ struct RestrictedDelaunay {
         const int n = all.neighbours[t][i];
         return n < 0 ? -1 : region[n];
     }
-    /// Is the facet on the boundary, or on an interface and the tet is on the smaller region's side?
+    bool on_sheet(int t, int i) const {
+        return !sheets.empty() && (sheets[t] >> i & 1) && region[t] >= 0 && beyond(t, i) == region[t];
+    }
+    /// Is the facet on the boundary, or on an interface and the tet is on the smaller region's side, or on a sheet and
+    /// the tet has the smaller number?
     bool on_surface(int t, int i) const {
         const int other = beyond(t, i);
-        return region[t] >= 0 && (other < 0 || other > region[t]);
+        return region[t] >= 0 && (other < 0 || other > region[t] || (on_sheet(t, i) && t < all.neighbours[t][i]));
     }
 };
 
 /// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out.
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
                                      const HeldSurface *held = nullptr);
-/// The same, with slivers on curved patches taken off too. Tets on `held` facets belong to what is on that side of
-/// them.
+/// The same, with slivers on curved patches taken off too, and the facets that lie on sheets found. Tets on `held`
+/// facets belong to what is on that side of them.
 RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
                                        const domain::RegionMap &map, const Workers &workers,
                                        const HeldSurface *held = nullptr);
@@ -48,10 +55,11 @@ struct Flaws {
 };
 Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex);
 
-/// Facets of the boundary and the interfaces, each once, outward or out of the region with the smaller number.
+/// Facets of the boundary, the interfaces and the sheets, each once, outward or out of the region with the smaller
+/// number.
 std::vector<std::array<int, 3>> surface_facets(const RestrictedDelaunay &complex);
 
-/// Edges of the boundary and the interfaces, each once, ends ascending.
+/// Their edges, each once, ends ascending.
 std::vector<std::array<int, 2>> surface_edges(const RestrictedDelaunay &complex);
 
 } // namespace wct::sampling

@@ -28,6 +28,18 @@ double size_at(const domain::Sizing &sizing, const Vec3 &p) {
     return sizing.at(p);
 }
 
+/// Whether an edge across the curve's vertex k would leave the tolerance. Along other curves facets of curved patches,
+/// which stand out to both sides, see to it that nothing is lost; a wire's or a flat sheet's corners must stay.
+bool keeps_corner(const domain::Reference &reference, const domain::Sizing &sizing, int c, int k) {
+    const domain::Curve &curve = reference.curves()[c];
+    if (!reference.inside(c) || (k == 0 && !curve.closed))
+        return false;
+    const auto &points = reference.data().points;
+    const Vec3 &p = points[curve.vertices[k]];
+    const double turn = angle(p - points[curve.at(k == 0 ? curve.steps() - 1 : k - 1)], points[curve.at(k + 1)] - p);
+    return 0.5 * size_at(sizing, p) * std::sin(0.5 * turn) > sizing.form().tolerance_at(curve.vertices[k]);
+}
+
 void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing) {
     const auto &points = reference.data().points;
     for (std::size_t c = 0; c < reference.curves().size(); ++c) {
@@ -42,7 +54,10 @@ void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain:
         };
         std::vector<Step> steps;
         double total = 0.0;
+        std::vector<double> kept; // where the curve's own corners are
         for (int k = 0; k < curve.steps(); ++k) {
+            if (keeps_corner(reference, sizing, static_cast<int>(c), k))
+                kept.push_back(total);
             const int l = (k + 1) % static_cast<int>(curve.vertices.size());
             const Vec3 a = points[curve.vertices[k]] + curve.shift[k];
             const Vec3 b = points[curve.vertices[l]] + curve.shift[l];
@@ -59,16 +74,33 @@ void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain:
                 total += length;
             }
         }
-        const int count = std::max(curve.least_edges(), static_cast<int>(std::lround(total)));
-        std::size_t at = 0;
-        for (int k = curve.closed ? 0 : 1; k < count; ++k) {
-            const double wanted = total * k / count;
-            while (at + 1 < steps.size() && steps[at].before + steps[at].length < wanted)
-                ++at;
-            const Step &s = steps[at];
-            const double t = s.length > 0.0 ? (wanted - s.before) / s.length : 0.0;
-            const Vec3 p = s.from + t * (s.to - s.from);
+        const auto put = [&](double wanted) {
+            const auto after = std::partition_point(steps.begin(), steps.end() - 1,
+                                                    [&](const Step &s) { return s.before + s.length < wanted; });
+            const double t = after->length > 0.0 ? (wanted - after->before) / after->length : 0.0;
+            const Vec3 p = after->from + t * (after->to - after->from);
             cloud.add(p, Stratum::crease, static_cast<int>(c), size_at(sizing, p));
+        };
+        // Evenly from one of them to the next.
+        if (!curve.closed) {
+            kept.insert(kept.begin(), 0.0);
+            kept.push_back(total);
+        } else {
+            kept.push_back(kept.empty() ? 0.0 : kept.front());
+            kept.back() += total;
+            if (kept.size() == 1)
+                kept.insert(kept.begin(), 0.0);
+        }
+        for (std::size_t i = 0; i + 1 < kept.size(); ++i) {
+            const double length = kept[i + 1] - kept[i];
+            const int least = kept.size() == 2 ? curve.least_edges() : 1;
+            const int count = std::max(least, static_cast<int>(std::lround(length)));
+            const bool at_end = i == 0 && !curve.closed; // where there is a corner of the surface
+            for (int k = at_end ? 1 : 0; k < count; ++k) {
+                put(std::fmod(kept[i] + length * k / count, total));
+                if (k == 0 && kept.size() > 2)
+                    cloud.held.back() = Hold::relaxation;
+            }
         }
     }
 }
@@ -304,6 +336,11 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         least = sizes.front();
     }
     const LatticeLevels levels(sizing, finest, least, form.edge_per_cell, form.level_ratio);
+    PointGrid wires; // the lattice keeps off what no surface tells of
+    const std::vector<char> wire = on_wires(cloud, reference);
+    for (std::size_t i = 0; i < wire.size(); ++i)
+        if (wire[i])
+            wires.add(cloud.points[i], form.wire_gap * cloud.size[i]);
     PointGrid grid;
     for (int level = 0; level < levels.count(); ++level) {
         const double cell = levels.cell(level);
@@ -311,7 +348,7 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         std::vector<Vec3> fresh;
         LatticeLevel(reference, map, sizing, form, renewal, level, levels)
             .collect(box, [&](const Vec3 &p, double size, int region) {
-                if (level > 0 && grid.crowded(p, form.level_gap * cell))
+                if (wires.crowded(p, form.wire_gap * size) || (level > 0 && grid.crowded(p, form.level_gap * cell)))
                     return;
                 cloud.add(p + (form.jitter * size) * in_cube(random), Stratum::interior, region, size);
                 fresh.push_back(p);

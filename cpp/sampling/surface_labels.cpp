@@ -43,13 +43,13 @@ int curve_of(const Cloud &cloud, const domain::Reference &reference, const Edge 
     return best;
 }
 
-/// Edges along curves that have one patch on both sides, as a crease has that fades out on a smooth surface: no change
-/// of patch tells of them.
+/// Edges along curves that no change of patch tells of: those with one patch on both sides, as a crease has that fades
+/// out on a smooth surface, or none, as wires have.
 std::map<Edge, int> slits(const Cloud &cloud, const domain::Reference &reference) {
     std::map<Edge, int> edges;
     const auto chains = curve_chains(cloud, reference);
     for (int c = 0; c < static_cast<int>(chains.size()); ++c)
-        if (reference.patches_at_curve(c).size() == 1)
+        if (reference.patches_at_curve(c).size() <= 1)
             for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
                 const int a = chains[c][k].point, b = chains[c][k + 1].point;
                 edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, c);
@@ -97,6 +97,12 @@ SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &comple
         }
     }
     const std::map<Edge, int> slit = slits(cloud, reference);
+    const std::vector<char> wire = on_wires(cloud, reference);
+    for (const auto &[edge, curve] : slit)
+        if (wire[edge[0]] && wire[edge[1]] && reference.patches_at_curve(curve).empty()) {
+            out.creases.push_back(edge);
+            out.curve.push_back(curve);
+        }
     for (const auto &[edge, seen] : edges) {
         if (const auto found = slit.find(edge); found != slit.end()) {
             out.creases.push_back(edge);

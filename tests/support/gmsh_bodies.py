@@ -41,3 +41,28 @@ def ball_in_box(folder: Path, size: float) -> TetMesh:
         gmsh.model.occ.addSphere(0.5, 0.5, 0.5, 0.3)
 
     return meshed(folder, build, size)
+
+
+def embedded(folder: Path, build: Callable[[], list[tuple[int, int]]], size: float) -> TetMesh:
+    """The unit cube with what ``build`` adds inside it, sheets or curves (dimension, tag): facets or edges tagged 2."""
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        cube = gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        tools = build()
+        _, parts = gmsh.model.occ.fragment([(3, cube)], tools)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [tag for _, tag in gmsh.model.getEntities(3)], 1)
+        dimension = tools[0][0]
+        inside = {tag for part in parts[1:] for own, tag in part if own == dimension}
+        gmsh.model.addPhysicalGroup(dimension, sorted(inside), 2)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.MeshSizeMin", size)
+        gmsh.model.mesh.generate(3)
+        gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
+        gmsh.write(str(folder / "body.msh"))
+    finally:
+        gmsh.finalize()
+    mesh = read(str(folder / "body.msh"))
+    assert isinstance(mesh, TetMesh)
+    return mesh

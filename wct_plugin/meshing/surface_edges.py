@@ -34,13 +34,26 @@ def longest_edges(mesh: TetMesh, own: Reference, on: Reference, factor: float) -
     """
     triangles, patch = own.strata.triangles, own.strata.patch
     lengths = _own_edges(own) * np.where(_grouped(mesh, own), _GROUPS, 1.0)[patch][:, None] * (factor / _COARSER)
-    at_points = np.full(len(own.points), lengths.max())
+    at_points = np.full(len(own.points), np.inf)
     np.minimum.at(at_points, triangles, lengths)
     if on.points is own.points:
-        return at_points
+        _limit_wires(at_points, own, factor)
+        return np.where(np.isinf(at_points), lengths.max(), at_points)
     nearest = _core.closest_points(own.points, triangles, on.points)[1]
     found: Floats = lengths[nearest].min(axis=1)
     return found
+
+
+def _limit_wires(at_points: Floats, own: Reference, factor: float) -> None:
+    """Give points on segments off every surface ``factor`` times the mean edge of their curve, in place."""
+    count, strata = len(own.points), own.strata
+    off = find_rows(surface_edges(strata.triangles, count)[0], strata.segments, count) < 0
+    segments, curve = strata.segments[off], strata.curve[off]
+    if not len(segments):
+        return
+    edge = np.linalg.norm(own.points[segments[:, 1]] - own.points[segments[:, 0]], axis=1)
+    mean = np.bincount(curve, edge) / np.maximum(np.bincount(curve), 1)
+    np.minimum.at(at_points, segments, factor * mean[curve][:, None])
 
 
 def _own_edges(own: Reference) -> Floats:
