@@ -69,10 +69,11 @@ class Reference {
     bool planar(int patch) const { return planar_[patch]; }
     /// Whether the patch lies inside a region.
     bool sheet(int patch) const { return data_.sides[patch][0] >= 0 && data_.sides[patch][0] == data_.sides[patch][1]; }
-    /// Whether the curve lies inside a region: at the rim of sheets, or with no patch beside, as a wire.
-    bool inside(int curve) const {
+    /// Whether no curved patch is beside the curve, as round a flat contact or sheet, and along a wire: its own corners
+    /// are all there is to tell its course.
+    bool bare(int curve) const {
         return std::all_of(curve_patches_[curve].begin(), curve_patches_[curve].end(),
-                           [&](int patch) { return sheet(patch); });
+                           [&](int patch) { return planar(patch); });
     }
     /// Whether it is planar and so large that the local search keeps it exactly.
     bool keeps(int patch, double tolerance) const;

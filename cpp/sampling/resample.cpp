@@ -39,7 +39,7 @@ void set_offsets(domain::Reference &reference, const domain::Sizing &sizing, con
     }
     for (std::size_t c = 0; c < reference.curves().size(); ++c) {
         domain::Curve &curve = reference.curves()[c];
-        if (reference.inside(static_cast<int>(c))) // keeps its own corners
+        if (reference.bare(static_cast<int>(c))) // keeps its own corners
             continue;
         for (std::size_t k = 0; k < curve.vertices.size(); ++k) {
             const double size = sizing.surface[curve.vertices[k]];

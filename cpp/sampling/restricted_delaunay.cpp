@@ -40,6 +40,17 @@ bool share_curved_patch(const Cloud &cloud, const domain::Reference &reference, 
     return std::any_of(shared.begin(), shared.end(), [&](int p) { return !reference.planar(p); });
 }
 
+/// Whether a tet has an edge far longer than wanted, between curved patches: past the crease between two of them.
+bool reaches_along(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {
+    constexpr double far = 3.0; // sizes
+    if (!std::all_of(tet.begin(), tet.end(), [&](int v) { return on_curved(cloud, reference, v); }))
+        return false;
+    return std::any_of(std::begin(kEdges), std::end(kEdges), [&](const auto &edge) {
+        const int v = tet[edge[0]], w = tet[edge[1]];
+        return norm(cloud.points[w] - cloud.points[v]) > far * std::max(cloud.size[v], cloud.size[w]);
+    });
+}
+
 /// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
 /// over, or one is, and the point under it that should be on the surface comes to light.
 void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDelaunay &complex) {
@@ -57,7 +68,8 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
         if (const auto &tet = complex.all.tets[t];
             complex.region[t] >= 0 &&
             std::none_of(tet.begin(), tet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) &&
-            flatness(cloud.points, tet) < kSliver && share_curved_patch(cloud, reference, tet))
+            flatness(cloud.points, tet) < kSliver &&
+            (share_curved_patch(cloud, reference, tet) || reaches_along(cloud, reference, tet)))
             candidates.push_back(t);
     for (bool again = true; again;) { // tets that were covered may lie open now
         again = false;
