@@ -4,7 +4,6 @@
 #include "sampling/seed_corners.h"
 #include "sampling/seed_walls.h"
 #include "sampling/sharp_edge_rows.h"
-#include "sampling/square_edge_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -337,11 +336,11 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         least = sizes.front();
     }
     const LatticeLevels levels(sizing, finest, least, form.edge_per_cell, form.level_ratio);
-    PointGrid others; // that the lattice keeps off, though no surface tells of them
+    PointGrid wires; // the lattice keeps off what no surface tells of
     const std::vector<char> wire = on_wires(cloud, reference);
     for (std::size_t i = 0; i < wire.size(); ++i)
-        if (wire[i] || cloud.role[i] == Stratum::interior)
-            others.add(cloud.points[i], form.others_gap * cloud.size[i]);
+        if (wire[i])
+            wires.add(cloud.points[i], form.wire_gap * cloud.size[i]);
     PointGrid grid;
     for (int level = 0; level < levels.count(); ++level) {
         const double cell = levels.cell(level);
@@ -349,7 +348,7 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         std::vector<Vec3> fresh;
         LatticeLevel(reference, map, sizing, form, renewal, level, levels)
             .collect(box, [&](const Vec3 &p, double size, int region) {
-                if (others.crowded(p, form.others_gap * size) || (level > 0 && grid.crowded(p, form.level_gap * cell)))
+                if (wires.crowded(p, form.wire_gap * size) || (level > 0 && grid.crowded(p, form.level_gap * cell)))
                     return;
                 cloud.add(p + (form.jitter * size) * in_cube(random), Stratum::interior, region, size);
                 fresh.push_back(p);
@@ -370,7 +369,6 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
         held->put(cloud, sizing);
     seed_sharp_rows(cloud, reference, sizing);
     seed_corners(cloud, reference);
-    seed_square_rows(cloud, reference, map, sizing, renewal);
     seed_patches(cloud, reference, sizing, form, renewal, random);
     seed_inside(cloud, reference, map, sizing, form, renewal, random);
     seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);
