@@ -20,6 +20,8 @@ using Edges = std::vector<std::array<int, 2>>;
 Edges possible_creases(const Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex) {
     Edges edges = surface_edges(complex);
     const std::vector<char> wire = on_wires(cloud, reference);
+    if (std::find(wire.begin(), wire.end(), 1) == wire.end())
+        return edges;
     for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
         for (const auto &[i, j] : kEdges) {
             const int v = complex.all.tets[t][i], w = complex.all.tets[t][j];

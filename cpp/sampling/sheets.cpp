@@ -11,10 +11,12 @@ namespace wct::sampling {
 
 namespace {
 
-/// How far a facet's centroid may be from its sheet, in mean edges: in its plane, it is on it; over a curved one as far
-/// as a facet may sag.
-constexpr double kOnPlane = 0.02;
-constexpr double kOnCurved = 0.2;
+/// Whether a place so far from a sheet, between points an edge apart, is on it: in its plane, or over a curved one no
+/// farther than a facet may sag.
+bool is_on(const domain::Reference &reference, int patch, double distance, double edge) {
+    constexpr double plane = 0.02, curved = 0.2; // edges
+    return distance < (reference.planar(patch) ? plane : curved) * edge;
+}
 
 bool any_sheet(const domain::Reference &reference) {
     for (int patch = 0; patch < reference.patches(); ++patch)
@@ -32,7 +34,7 @@ int sheet_of(const Cloud &cloud, const domain::Reference &reference, const std::
         const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
         const double edge = (norm(b - a) + norm(c - b) + norm(a - c)) / 3.0;
         foot = reference.nearest((1.0 / 3.0) * (a + b + c), patch, cloud.near[facet[0]]);
-        if (foot.distance < (reference.planar(patch) ? kOnPlane : kOnCurved) * edge)
+        if (is_on(reference, patch, foot.distance, edge))
             return patch;
     }
     return -1;
@@ -146,8 +148,7 @@ std::vector<int> piercing_points(const Cloud &cloud, const domain::Reference &re
             const double share = above / (above - below);
             const Vec3 through = (1.0 - share) * cloud.points[v] + share * cloud.points[w];
             const double edge = norm(cloud.points[v] - cloud.points[w]);
-            const double off = reference.nearest(through, patch[v]).distance;
-            if (off < (reference.planar(patch[v]) ? kOnPlane : kOnCurved) * edge)
+            if (is_on(reference, patch[v], reference.nearest(through, patch[v]).distance, edge))
                 out.push_back(std::fabs(above) < std::fabs(below) ? v : w);
         }
     std::sort(out.begin(), out.end());

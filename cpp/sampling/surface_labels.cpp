@@ -97,9 +97,8 @@ SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &comple
         }
     }
     const std::map<Edge, int> slit = slits(cloud, reference);
-    const std::vector<char> wire = on_wires(cloud, reference);
     for (const auto &[edge, curve] : slit)
-        if (wire[edge[0]] && wire[edge[1]] && reference.patches_at_curve(curve).empty()) {
+        if (reference.patches_at_curve(curve).empty()) { // no facet has the edges of a wire
             out.creases.push_back(edge);
             out.curve.push_back(curve);
         }

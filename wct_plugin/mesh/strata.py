@@ -138,8 +138,7 @@ def labelled_surface(mesh: TetMesh) -> tuple[Ints, Ints]:
     """All triangles of :class:`Strata`, and a label that is equal where regions, facet tags and facet sets are."""
     topology, count = mesh.topology, len(mesh.points)
     boundary, interfaces = topology.boundary, topology.interfaces
-    tagged = np.unique(np.sort(mesh.facets.vertices, axis=1), axis=0)
-    inner, inner_tets = _inside(mesh, tagged)
+    inner, inner_tets = tagged_inside(mesh)
     triangles = np.concatenate([boundary, interfaces, inner])
 
     outside = np.iinfo(np.int64).min
@@ -153,8 +152,9 @@ def labelled_surface(mesh: TetMesh) -> tuple[Ints, Ints]:
     return triangles, distinct_rows(np.column_stack([np.concatenate(sides), groups]))
 
 
-def _inside(mesh: TetMesh, tagged: Ints) -> tuple[Ints, Ints]:
-    """The ``tagged`` triples that are facets inside a region, oriented out of their first tet, and that tet."""
+def tagged_inside(mesh: TetMesh) -> tuple[Ints, Ints]:
+    """The tagged facets (k, 3) inside a region, oriented out of their first tet, and that tet (k,)."""
+    tagged = np.unique(np.sort(mesh.facets.vertices, axis=1), axis=0)
     pairs = mesh.topology.interior_pairs
     touched = np.zeros(len(mesh.points), dtype=bool)
     touched[tagged] = True

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.mesh.index_arrays import distinct_rows, find_rows
-from wct_plugin.mesh.strata import Strata, find_strata, surface_strata
+from wct_plugin.mesh.index_arrays import distinct_rows
+from wct_plugin.mesh.strata import Strata, find_strata, surface_strata, tagged_inside
 from wct_plugin.mesh.triangle_surfaces import normals
 from wct_plugin.types import Floats, Ints
 
@@ -53,7 +53,7 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
     regions, index = np.unique(mesh.regions, return_inverse=True)
     behind = index[topology.boundary_half_facets[:, 0]]
     pairs = topology.interface_pairs
-    within = _around(mesh, found.triangles[len(behind) + len(pairs) :])
+    within = tagged_inside(mesh)[1]
     sides = np.concatenate(
         [
             np.column_stack([behind, np.full(len(behind), -1)]),
@@ -64,14 +64,6 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
     of_patch = np.empty((int(found.patch.max()) + 1, 2), dtype=np.int64)
     of_patch[found.patch] = sides
     return Reference(mesh.points, found, of_patch, regions, np.arange(len(of_patch)))
-
-
-def _around(mesh: TetMesh, triangles: Ints) -> Ints:
-    """For each of the triangles (k, 3) inside a region, a tet with it as a facet."""
-    facets, of_tets = mesh.topology.facets, mesh.topology.tet_facets
-    tet = np.empty(len(facets), dtype=np.int64)
-    tet[of_tets] = np.arange(len(of_tets))[:, None]
-    return tet[find_rows(np.sort(facets, axis=1), np.sort(triangles, axis=1), len(mesh.points))]
 
 
 def given_surface(surface: SurfaceMesh, mesh: TetMesh, crease_angle: float) -> Reference:
