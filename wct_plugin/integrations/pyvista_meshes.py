@@ -7,8 +7,9 @@ import numpy as np
 import pyvista as pv
 
 from wct_plugin.errors import InputError, WctWarning
+from wct_plugin.io.assembly import NAME, TAGS, to_mesh
 from wct_plugin.io.formats import PYVISTA
-from wct_plugin.io.reader import NAME, TAGS, from_meshio
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.writer import contents
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
@@ -35,8 +36,6 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     InputError
         For other cells than tets, triangles, lines and vertices.
     """
-    import meshio
-
     grid = dataset if isinstance(dataset, pv.UnstructuredGrid) else dataset.cast_to_unstructured_grid()
     what = type(dataset).__name__
     types, starts = np.array(grid.celltypes), np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
@@ -49,10 +48,10 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
         )
     connectivity = np.asarray(grid.cell_connectivity)
     present = [(kind, code) for kind, code in _TYPES.items() if (types == code).any()]
-    raw = meshio.Mesh(
+    raw = RawMesh(
         np.asarray(grid.points),
         [
-            (kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])])
+            RawBlock(kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])])
             for kind, code in present
         ],
         point_data={name: np.asarray(values) for name, values in grid.point_data.items()},
@@ -63,7 +62,7 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     )
     lost: list[str] = []
     try:
-        mesh = from_meshio(raw, PYVISTA, lost, "", _tags(grid))
+        mesh = to_mesh(raw, PYVISTA, lost, "", _tags(grid))
     except InputError as error:
         raise InputError(f"{what}: {error}") from error
     if lost:

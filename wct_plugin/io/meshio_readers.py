@@ -15,13 +15,14 @@ from wct_plugin.errors import InputError
 from wct_plugin.io import tetgen_face_file
 from wct_plugin.io.formats import Format
 from wct_plugin.io.meshio_fixes import mend
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: What meshio only warns of although part of the file is missing then.
 _FATAL = ("not closed by", "cannot handle", "End-of-file reached", "could not parse", "markers according to NMARK")
 
 
-def load(file: Path, form: Format) -> tuple[Any, list[str]]:
-    """Meshio's mesh, and what it says it has left out. Whatever goes wrong within meshio is an InputError."""
+def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
+    """What the file holds, and what meshio says it has left out. Whatever goes wrong is an InputError."""
     with refusing(form):
         _check_ends(file, form)
         mend(form)
@@ -30,7 +31,7 @@ def load(file: Path, form: Format) -> tuple[Any, list[str]]:
         with overheard() as said, warnings.catch_warnings(), np.errstate(over="ignore"):
             # NumPy only deprecates reading past what is no number.
             warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
-            raw = importlib.import_module(f"meshio.{form.module}").read(source)
+            raw = _raw(importlib.import_module(f"meshio.{form.module}").read(source))
         for warning in said:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)
@@ -38,6 +39,21 @@ def load(file: Path, form: Format) -> tuple[Any, list[str]]:
         if form.name == "TetGen":
             tetgen_face_file.add_facets(raw, file)
     return raw, said
+
+
+def _raw(mesh: Any) -> RawMesh:
+    """Meshio's mesh in our form."""
+    return RawMesh(
+        mesh.points,
+        [RawBlock(block.type, block.data) for block in mesh.cells],
+        dict(mesh.point_data),
+        {name: list(columns) for name, columns in mesh.cell_data.items()},
+        dict(mesh.point_sets),
+        {name: list(columns) for name, columns in mesh.cell_sets.items()},
+        dict(mesh.field_data),
+        dict(getattr(mesh, "cell_tags", {})),
+        list(getattr(mesh, "gmsh_periodic", None) or ()),
+    )
 
 
 @contextlib.contextmanager
@@ -95,7 +111,7 @@ def _bulk_data(file: Path) -> io.StringIO:
     return io.StringIO(text)
 
 
-def _check_count(raw: Any, file: Path, form: Format) -> None:
+def _check_count(raw: RawMesh, file: Path, form: Format) -> None:
     """Meshio stops at the end of an SU2 file whatever was announced, and of the pieces of a VTU keeps the last."""
     announced = {"SU2": rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", "VTU": rb"NumberOfCells\s*=\s*[\"']\s*(\d+)"}
     if form.name not in announced:

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.io import gmsh22, gmsh41, obj, off, ply, tetgen_face_file
+from wct_plugin.io.assembly import NAME
 from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_readers import overheard
 from wct_plugin.io.periodic_sides import PeriodicSides
-from wct_plugin.io.reader import NAME
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 Arrays = dict[str, NDArray[Any]]

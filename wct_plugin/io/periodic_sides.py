@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
 from wct_plugin.io.gmsh_sections import end, put
+from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.periodic import find_periodic
@@ -23,10 +24,10 @@ class PeriodicSides:
     translation: Floats  #: (3,) from the master to the slave
 
 
-def is_periodic(raw: Any, lost: list[str]) -> bool:
-    """Whether meshio's mesh, of a gmsh file, has sides that are translates; those that are turned go to ``lost``."""
+def is_periodic(raw: RawMesh, lost: list[str]) -> bool:
+    """Whether a gmsh file has sides that are translates; those that are turned go to ``lost``."""
     found = False
-    for dimension, _, affine, nodes in getattr(raw, "gmsh_periodic", None) or ():
+    for dimension, _, affine, nodes in raw.periodic:
         if dimension != 2 or not len(nodes):
             continue
         turned = affine is not None and len(affine) == 16

@@ -1,34 +1,14 @@
 """A file becomes a :class:`TetMesh` or a :class:`SurfaceMesh`: by meshio, by what the file contains, or not at all."""
 
 import warnings
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
-from urllib.parse import unquote
-
-import numpy as np
-from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import formats, obj, off, ply
+from wct_plugin.io.assembly import to_mesh, with_tags
 from wct_plugin.io.meshio_readers import load, refusing
-from wct_plugin.io.periodic_sides import is_periodic
-from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-
-#: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
-ENTITIES = "gmsh:geometrical"
-#: Arrays that hold an integer tag per cell, by format; the first one present that is not all zero is the tags.
-TAGS = ("gmsh:physical", "medit:ref", "tetgen:ref", "cell_tags", "nastran:ref", "su2:tag", ENTITIES)
-#: Named sets are stored as arrays of 0 and 1 of this name where a format has arrays but no sets.
-SET = "set:"
-#: Tags are stored as sets TAG_tetra_5 where a format has sets but no tags.
-TAG_SET = "TAG_"
-#: Physical names are stored in VTU files as field data (tag, dimension) of this name.
-NAME = "name:"
-
-_WIDTH = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}
-#: Arrays of meshio's own making, of no meaning after reading.
-_PRIVATE = ("gmsh:dim_tags", "gmsh:bounding_entities", "facet_normals")
+from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
 def read(path: str | Path) -> TetMesh | SurfaceMesh:
@@ -76,12 +56,12 @@ def _read(file: Path, form: formats.Format, source: str) -> tuple[TetMesh | Surf
     lost: list[str] = []
     if form.module:
         raw, lost = load(file, form)
-        return from_meshio(raw, form, lost, source), lost
+        return to_mesh(raw, form, lost, source), lost
     with refusing(form):
         match form.name:
             case "PLY":
                 surface, lost = ply.read(file)
-                surface = _with_tags(surface)
+                surface = with_tags(surface)
             case "OBJ":
                 surface = obj.read(file)
             case _:
@@ -101,229 +81,3 @@ def _check_file(path: str | Path, file: Path) -> None:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     if empty:
         raise InputError(f"{path}: is empty")
-
-
-@dataclass
-class _Kind:
-    """All blocks of one kind of cell, put together."""
-
-    cells: NDArray[np.int64]
-    data: dict[str, NDArray[Any]] = field(default_factory=dict)
-    sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
-    tags: NDArray[np.int64] | None = None
-
-    def as_cells(self) -> Cells:
-        return Cells(self.cells, self.tags, self.data, self.sets)  # type: ignore[arg-type]  # None stands for zeros
-
-
-def from_meshio(
-    raw: Any, form: formats.Format, lost: list[str], source: str, tags: tuple[str, ...] = TAGS
-) -> TetMesh | SurfaceMesh:
-    """Make a mesh of meshio's; ``lost`` grows by what it cannot hold, ``tags`` are the arrays that may be the tags.
-
-    Raises :class:`InputError` for cells of other kinds, and where there is neither tet nor triangle.
-    """
-    kinds = _kinds(raw)
-    main = "tetra" if len(kinds["tetra"].cells) else "triangle"
-    if not len(kinds[main].cells):
-        raise InputError("has neither tets nor triangles")
-    points = np.asarray(raw.points)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3")
-    if form.name == "VTK":  # VTK keeps blanks in names as %20
-        for kind in kinds.values():
-            kind.data = {unquote(name): values for name, values in kind.data.items()}
-    point_data = {
-        unquote(name) if form.name == "VTK" else str(name): _native(values)
-        for name, values in raw.point_data.items()
-        if name not in _PRIVATE
-    }
-    for name in set(TAGS) & point_data.keys() if form is not formats.PYVISTA else ():
-        point_data[name] = _whole(point_data[name])
-        if not point_data[name].any():  # the format has such a number for each point, meant or not
-            del point_data[name]
-    point_sets = {str(name): _members(ids) for name, ids in raw.point_sets.items()} | _pop_sets(point_data)
-    names = _names(raw.field_data, form)
-    for kind in kinds.values():
-        kind.sets |= _pop_sets(kind.data)
-    tag_name = _take_tags(kinds, tags)
-    _take_tag_sets(kinds)
-    if form.name == "gmsh":
-        for kind in kinds.values():
-            _merge_repeated(kind, names)
-    _drop_filling(kinds)
-    _drop_repeated_sets(kinds, names)
-    if main == "triangle":
-        faces = kinds["triangle"]
-        lost += [f"{len(kinds[kind].cells)} {kind} cells" for kind in ("line", "vertex") if len(kinds[kind].cells)]
-        lost += [f"set {name!r}" for name in [*faces.sets, *point_sets]] + [f"name {name!r}" for name in names]
-        return SurfaceMesh(points, faces.cells, faces.tags, point_data, faces.data, source)  # type: ignore[arg-type]
-    tets = kinds["tetra"]
-    return TetMesh(
-        points,
-        tets.cells,
-        tets.tags,  # type: ignore[arg-type]  # None stands for zeros
-        facets=kinds["triangle"].as_cells(),
-        edges=kinds["line"].as_cells(),
-        nodes=kinds["vertex"].as_cells(),
-        point_data=point_data,
-        cell_data=tets.data,
-        point_sets=point_sets,
-        tet_sets=tets.sets,
-        names=names,
-        tag_name=tag_name,
-        source=source,
-        periodic=is_periodic(raw, lost),
-    )
-
-
-def _with_tags(surface: SurfaceMesh) -> SurfaceMesh:
-    kinds = {"triangle": _Kind(surface.triangles, dict(surface.cell_data))}
-    _take_tags(kinds, TAGS)
-    return replace(surface, tags=kinds["triangle"].tags, cell_data=kinds["triangle"].data)  # type: ignore[arg-type]
-
-
-def _kinds(raw: Any) -> dict[str, _Kind]:
-    """Per kind of cell all of meshio's blocks as one, with their data and sets."""
-    for block in raw.cells:
-        if block.type not in _WIDTH and len(block):
-            raise InputError(f"has {len(block)} {block.type} cells; allowed are tetra, triangle, line and vertex")
-    families = getattr(raw, "cell_tags", {})  # MED: names of the groups each tag stands for
-    kinds = {}
-    for kind, width in _WIDTH.items():
-        blocks = [k for k, block in enumerate(raw.cells) if block.type == kind and len(block)]
-        if not blocks:
-            kinds[kind] = _Kind(np.empty((0, width), dtype=np.int64))
-            continue
-        made = _Kind(np.concatenate([np.asarray(raw.cells[k].data) for k in blocks]).astype(np.int64))
-        for name, values in raw.cell_data.items():
-            parts = [values[k] for k in blocks]
-            if name not in _PRIVATE and all(part is not None for part in parts):
-                made.data[str(name)] = _native(np.concatenate(parts))
-        starts = np.cumsum([0, *(len(raw.cells[k]) for k in blocks)])
-        for name, members in raw.cell_sets.items():
-            if name not in _PRIVATE:
-                known = [members[k] if k < len(members) else None for k in blocks]
-                made.sets[str(name)] = np.concatenate(
-                    [_members(ids) + start for ids, start in zip(known, starts, strict=False)]
-                )
-        for group in {name for names in families.values() for name in names} if "cell_tags" in made.data else ():
-            tags = [tag for tag, names in families.items() if group in names]
-            made.sets[group] = np.flatnonzero(np.isin(made.data["cell_tags"], tags))
-        kinds[kind] = made
-    return kinds
-
-
-def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
-    """Make the first array of these names that says anything the tags; returns its name."""
-    chosen = names[0] if names else TAGS[0]
-    for name in reversed(names):
-        columns = [kind.data[name] for kind in kinds.values() if name in kind.data]
-        # Zero is no tag; and every cell of a gmsh file has an entity, whether there is more than one or not.
-        says = any((column != column[0] if name == ENTITIES else column).any() for column in columns)
-        if says and all(_whole(column).dtype.kind in "iu" for column in columns):
-            chosen = name
-        elif columns:
-            for kind in kinds.values():
-                kind.data.pop(name, None)
-    for kind in kinds.values():
-        if chosen in kind.data:
-            kind.tags = _whole(kind.data.pop(chosen)).astype(np.int64)
-    if chosen != ENTITIES:  # gmsh's own bookkeeping then, made anew when written
-        for kind in kinds.values():
-            kind.data.pop(ENTITIES, None)
-    return chosen
-
-
-def _merge_repeated(kind: _Kind, names: dict[str, tuple[int, int]]) -> None:
-    """Make one of cells that stand in the file several times, which is gmsh 2.2's way to have them in several groups.
-
-    The first tag stays; groups that lose members by this become sets, named as the group or by its number.
-    """
-    _, first, place = np.unique(kind.cells, axis=0, return_index=True, return_inverse=True)
-    if len(first) == len(kind.cells) or kind.tags is None:
-        return
-    order = np.argsort(first)
-    keep = first[order]  # in the order of the file
-    place = np.argsort(order)[place.ravel()]  # where each cell is among those kept
-    again = np.ones(len(kind.cells), dtype=bool)
-    again[keep] = False
-    dimension = kind.cells.shape[1] - 1
-    kind.sets = {name: np.unique(place[ids]) for name, ids in kind.sets.items()}
-    for tag in np.unique(kind.tags[again]).tolist():
-        name = next((name for name, pair in names.items() if pair == (tag, dimension)), str(tag))
-        kind.sets[name] = np.unique(place[kind.tags == tag])
-    kind.data = {name: values[keep] for name, values in kind.data.items()}
-    kind.cells, kind.tags = kind.cells[keep], kind.tags[keep]
-
-
-def _take_tag_sets(kinds: dict[str, _Kind]) -> None:
-    """Turn the sets that stand for tags where a format has no tags (Abaqus) into tags again."""
-    for which, kind in kinds.items():
-        prefix = f"{TAG_SET}{which}_"
-        for name in [name for name in kind.sets if name.startswith(prefix)]:
-            if kind.tags is None:
-                kind.tags = np.zeros(len(kind.cells), dtype=np.int64)
-            kind.tags[kind.sets.pop(name)] = int(name.removeprefix(prefix))
-        kind.sets = {name: ids for name, ids in kind.sets.items() if not name.startswith(TAG_SET)}
-
-
-def gmsh_entities(tags: NDArray[np.int64]) -> NDArray[np.int64]:
-    """A gmsh entity number per cell, from its tag: positive, and different for different tags."""
-    return np.where(tags > 0, tags, tags.max(initial=0) + 1 - tags)
-
-
-def _pop_sets(data: dict[str, NDArray[Any]]) -> dict[str, NDArray[np.int64]]:
-    return {name[len(SET) :]: np.flatnonzero(data.pop(name)) for name in list(data) if name.startswith(SET)}
-
-
-def _drop_filling(kinds: dict[str, _Kind]) -> None:
-    for name in {name for kind in kinds.values() for name in kind.data}:
-        empty = {kind: _says_nothing(made.data[name]) for kind, made in kinds.items() if name in made.data}
-        if not all(empty.values()):
-            for kind in (kind for kind, nothing in empty.items() if nothing):
-                del kinds[kind].data[name]
-
-
-def _says_nothing(values: NDArray[Any]) -> bool:
-    return bool(np.isnan(values).all() if values.dtype.kind == "f" else not values.any())
-
-
-def _drop_repeated_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int]]) -> None:
-    """Leave out sets that only repeat a physical name, and those that have all their members among other cells."""
-    for name in {name for kind in kinds.values() for name in kind.sets}:
-        somewhere = any(len(kind.sets.get(name, ())) for kind in kinds.values())
-        for which, kind in kinds.items():
-            members = kind.sets.get(name)
-            if members is None:
-                continue
-            tag, dimension = names.get(name, (0, -1))
-            group = tag and dimension == _WIDTH[which] - 1 and kind.tags is not None
-            repeats = group and np.array_equal(np.sort(members), np.flatnonzero(kind.tags == tag))
-            if repeats or (not len(members) and (somewhere or name in names or which != "tetra")):
-                del kind.sets[name]
-
-
-def _names(found: dict[str, Any], form: formats.Format) -> dict[str, tuple[int, int]]:
-    names = {}
-    for name, value in found.items():
-        pair = np.asarray(value).ravel()
-        if pair.size == 2 and (form.name == "gmsh" or name.startswith(NAME)):
-            names[name.removeprefix(NAME)] = (int(pair[0]), int(pair[1]))
-    return names
-
-
-def _members(ids: Any) -> NDArray[np.int64]:
-    return np.asarray([] if ids is None else ids, dtype=np.int64)
-
-
-def _native(values: Any) -> NDArray[Any]:
-    array = np.asarray(values)
-    return array.astype(array.dtype.newbyteorder("="))
-
-
-def _whole(values: NDArray[Any]) -> NDArray[Any]:
-    """Floats that are whole numbers as integers; anything else as it is."""
-    if values.dtype.kind == "f" and np.isfinite(values).all() and (values == np.rint(values)).all():
-        return values.astype(np.int64)
-    return values

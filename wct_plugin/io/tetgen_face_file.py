@@ -8,26 +8,24 @@ out, too: TetGen marks every segment of its input, whether the user did or not.
 import io
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from wct_plugin.errors import InputError
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.types import Ints
 
 _TAGS = "tetgen:ref"
 
 
-def add_facets(raw: Any, file: Path) -> None:
-    """Put the marked facets that lie beside ``file``, if any, into meshio's mesh."""
-    from meshio import CellBlock
-
+def add_facets(raw: RawMesh, file: Path) -> None:
+    """Put the marked facets that lie beside ``file``, if any, into what was read."""
     facets, markers = _marked(file.with_suffix(".face"))
     if not len(facets):
         return
     first = int(_lines(file.with_suffix(".node"))[1].split()[0])
     raw.cell_data.setdefault(_TAGS, [np.zeros(len(raw.cells[0]), dtype=np.int64)])
-    raw.cells.append(CellBlock("triangle", facets - first))
+    raw.cells.append(RawBlock("triangle", facets - first))
     for name, columns in raw.cell_data.items():
         columns.append(markers if name == _TAGS else None)
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import OutputError, WctWarning
 from wct_plugin.io import formats, gmsh_version
+from wct_plugin.io.assembly import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.io.atomic_files import replacing
 from wct_plugin.io.formats import PYVISTA, Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
 from wct_plugin.io.periodic_sides import numbered, sides_of
-from wct_plugin.io.reader import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 #: The array that holds the tags, for formats that have one for this.
