@@ -45,7 +45,7 @@ class _Kind:
 def to_mesh(
     raw: RawMesh, form: formats.Format, lost: list[str], source: str, tags: tuple[str, ...] = TAGS
 ) -> TetMesh | SurfaceMesh:
-    """Make a mesh of what a file holds; ``lost`` grows by what it cannot hold, ``tags`` are arrays that may be the tags.
+    """Make a mesh of what a file holds; ``lost`` grows by what a mesh cannot hold, ``tags`` may be the array of tags.
 
     Raises :class:`InputError` for cells of other kinds, and where there is neither tet nor triangle.
     """
