@@ -40,6 +40,4 @@ class RawMesh:
     cell_sets: dict[str, list[Ints | None]] = field(default_factory=dict)
     field_data: dict[str, NDArray[Any]] = field(default_factory=dict)  #: gmsh's physical names: tag, dimension
     families: Mapping[int, list[str]] = field(default_factory=dict)  #: MED: the groups that each tag stands for
-    periodic: list[Any] = field(
-        default_factory=list
-    )  #: gmsh: dimension, tags, affine map, pairs of points
+    periodic: list[Any] = field(default_factory=list)  #: gmsh: dimension, tags, affine map, pairs of points
