@@ -117,8 +117,8 @@ def _kinds(raw: RawMesh) -> dict[str, _Kind]:
             continue
         made = _Kind(np.concatenate([np.asarray(raw.cells[k].data) for k in blocks]).astype(np.int64))
         for name, values in raw.cell_data.items():
-            parts = [values[k] for k in blocks]
-            if name not in _PRIVATE and all(part is not None for part in parts):
+            parts = [part for k in blocks if (part := values[k]) is not None]
+            if name not in _PRIVATE and len(parts) == len(blocks):
                 made.data[str(name)] = _native(np.concatenate(parts))
         starts = np.cumsum([0, *(len(raw.cells[k]) for k in blocks)])
         for name, members in raw.cell_sets.items():
