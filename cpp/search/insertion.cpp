@@ -214,6 +214,8 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     for (const Edge &edge : edges)
         if (std::count(edges.begin(), edges.end(), edge) == 1)
             rim.push_back(edge);
+        else if (complex_.curve_of(edge[0], edge[1]) >= 0)
+            return std::nullopt; // a crease within the patch, all of whose facets would go
     for (const Facet &f : open)
         for (int w : f)
             if (std::none_of(rim.begin(), rim.end(), [&](const Edge &e) { return e[0] == w || e[1] == w; }))
