@@ -45,6 +45,7 @@ from wct_plugin.meshing.search_mesh import SearchMesh
 from wct_plugin.meshing.surface_edges import Lengths, longest_edges
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.transfer import carry, resampled
+from wct_plugin.meshing.work_limit import WorkLimit
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
@@ -185,6 +186,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self._surface = _load(self.options.reference)  # now, so that a file of no use is refused before any work
+        self._share_of_all = 1.0  # of the tets, where a mesh is worked on part by part
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         unit_scaling.check(mesh)
@@ -290,6 +292,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                     "max_tets": most,
                 }
             )
+            one._share_of_all = len(part.tets) / len(mesh.tets)
             size = None if wanted is None else wanted[points]
             _, new, found = one._whole(given, reference, size, progress, tangled=tangled)
             made.append(new)
@@ -351,11 +354,13 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         if not bad and not asked and _follows(mesh, own, reference, tolerance):
             none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
             none |= {"planes": plane, "local_tolerance": least, "estimate": None, "released": _no_crease(own)}
+            none["exhausted"] = False
             return _Found(mesh, measured, tolerance, none, reference)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         limit = TetLimit(options.max_tets, listen)
+        allowed = WorkLimit(len(mesh.tets), options.effort, self._share_of_all)
         fixed = np.flatnonzero(choices.fixed)
         search = LocalSearch(
             straight,
@@ -366,6 +371,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             options.seed,
             listen,
             limit,
+            allowed,
             kept,
             fixed,
             fixed[:0] if periodic is None else periodic.firm,
@@ -389,6 +395,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             tried = [] if stays else [search.run(start, own, within, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         work |= {"stopped": listen.stopped, "kept": False, "planes": plane, "estimate": limit.expected}
+        work["exhausted"] = allowed.reached
         work["local_tolerance"] = least
         if not tried:  # stopped before there was any other mesh, or none has few enough tets
             work["released"] = _no_crease(own)

@@ -175,7 +175,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const std::optional<Array> &fixed, const std::optional<Array> &fixed_curves,
                               const std::optional<Array> &loose, double worth, double flat,
                               const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets,
-                              const std::optional<Array> &local_tolerance) {
+                              const std::optional<Array> &local_tolerance, const std::optional<long> &most_evaluations) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -248,6 +248,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
 
     if (!(flat >= 0.0))
         refuse("flat is " + std::to_string(flat) + "; it may not be negative");
+    if (most_evaluations && *most_evaluations < 0)
+        refuse("most_evaluations is " + std::to_string(*most_evaluations) + "; it may not be negative");
     if (!(worth >= 0.0))
         refuse("worth is " + std::to_string(worth) + "; it may not be negative");
 
@@ -281,6 +283,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.kicks = kicks;
     options.seed = seed;
     options.worth = worth;
+    options.evaluations = most_evaluations.value_or(options.evaluations);
     options.most = most_tets.value_or(options.most);
     if (volumes)
         options.volumes = sizes_of(
@@ -309,7 +312,7 @@ void bind_search(nb::module_ &m) {
           nb::arg("ruled_out") = nb::none(), nb::arg("fixed") = nb::none(), nb::arg("fixed_curves") = nb::none(),
           nb::arg("loose") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity(),
           nb::arg("flat") = 0.0, nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none(),
-          nb::arg("local_tolerance") = nb::none());
+          nb::arg("local_tolerance") = nb::none(), nb::arg("most_evaluations") = nb::none());
 }
 
 } // namespace wct::bindings

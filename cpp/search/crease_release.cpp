@@ -42,6 +42,7 @@ SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgr
         sum.kicks += one.kicks;
         sum.accepted += one.accepted;
         sum.evaluations += one.evaluations;
+        now.evaluations = std::max(0L, options.evaluations - sum.evaluations);
         sum.stopped = one.stopped;
         if (one.stuck.empty() || one.stopped || !more)
             return sum;

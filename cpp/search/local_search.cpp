@@ -110,7 +110,7 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
     };
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = std::max(1L, bearable(least));
-        if (vain >= limit || !worthwhile(price, least))
+        if (vain >= limit || !worthwhile(price, least) || energy_.evaluations() >= options_.evaluations)
             return give_up();
         if (done % rest == 0)
             complex_.resum();
@@ -171,7 +171,8 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     double before = std::numeric_limits<double>::infinity();
     for (int k = 0; k < options_.passes; ++k) {
         adopt(k % cycle == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
-        if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0)
+        if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0 ||
+            energy_.evaluations() >= options_.evaluations)
             break;
         if (k % cycle == 0) {
             if (outcome_.bad > worth * before)

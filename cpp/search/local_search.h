@@ -19,6 +19,8 @@ struct SearchOptions {
     bool hurry = false; // whether it should stop soon where the goal is not reached: there are other ways to go on
     /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
     double worth = std::numeric_limits<double>::infinity();
+    /// Evaluations after which kicks end, whatever is left.
+    long evaluations = std::numeric_limits<long>::max();
     /// Tets that the mesh may grow to.
     std::size_t most = std::numeric_limits<std::size_t>::max();
     std::uint64_t seed = 0;

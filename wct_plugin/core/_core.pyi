@@ -396,6 +396,7 @@ def search_well_centered(
     volumes: NDArray[np.float64] | None = None,
     most_tets: int | None = None,
     local_tolerance: NDArray[np.float64] | None = None,
+    most_evaluations: int | None = None,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -423,7 +424,7 @@ def search_well_centered(
     patches with curved rims keep their area so too.
 
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
-    ``most_tets``: what the mesh may grow to.
+    ``most_tets``: what the mesh may grow to. ``most_evaluations``: of tets' energies, after which kicks end.
     """
 
 def closest_points(

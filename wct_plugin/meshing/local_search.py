@@ -19,6 +19,7 @@ from wct_plugin.meshing.search_mesh import SearchMesh, from_search
 from wct_plugin.meshing.stitching import stitched
 from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.meshing.tet_limit import TetLimit
+from wct_plugin.meshing.work_limit import WorkLimit
 from wct_plugin.obstructions import fixed_facets
 from wct_plugin.types import Floats, Ints
 
@@ -61,6 +62,7 @@ class LocalSearch:
     seed: int
     listen: Listener
     limit: TetLimit
+    work: WorkLimit
     held: HeldSurface | None = None  #: patches of a boundary that moves elsewhere
     fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
     firm: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: creases never given up
@@ -76,7 +78,7 @@ class LocalSearch:
         rows = np.flatnonzero(np.isin(start["facet_patch"], self.fixed))
         sides = on.sides[start["facet_patch"][rows]]
         ruled_out = fixed_facets.ruled_out(start["points"], start["facets"][rows], sides, acute=self.acute)
-        return _core.search_well_centered(
+        found: SearchedArrays = _core.search_well_centered(
             **start,
             ruled_out=rows[ruled_out],
             fixed=self.fixed,
@@ -86,6 +88,7 @@ class LocalSearch:
             flat=on.flat,
             volumes=_volumes(on) if self.boundary == "move" else None,
             most_tets=self.limit.most,
+            most_evaluations=self.work.left,
             surface_points=on.points,
             surface_triangles=on.strata.triangles,
             surface_patch=on.strata.patch,
@@ -102,6 +105,8 @@ class LocalSearch:
             seed=self.seed,
             progress=self.listen.search,
         )
+        self.work.add_search(found["evaluations"], stuck=len(found["stuck"]))
+        return found
 
     def resampled(
         self,
@@ -157,6 +162,7 @@ class LocalSearch:
         )
         if self.listen.stopped or not self.limit.takes(len(found["tets"])):
             return None
+        self.work.add_start(len(found["tets"]))
         stratum = found["stratum"]
         stays = found["held"] >= 0
         pinned = ((stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)) | stays
@@ -202,7 +208,7 @@ class LocalSearch:
             found = self.run(start, self._without(on, gone), tolerance, worth)
             found["released"] = np.union1d(gone, found["released"])
             tried.append(found)
-            if not len(found["stuck"]) or self.listen.stopped or worth == np.inf:
+            if not len(found["stuck"]) or self.listen.stopped or worth == np.inf or not self.work.left:
                 return tried
             fewest = best(tried)
             if len(tried) == 1 and len(fewest["stuck"]) > _FEW_STUCK * len(fewest["tets"]):

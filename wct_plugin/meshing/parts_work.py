@@ -17,6 +17,7 @@ def together(works: Sequence[Mapping[str, Any]], shares: Sequence[float]) -> Met
             out[name] = sum(one[name] for one in works)
     if "released" not in works[0]:
         return out
+    out["exhausted"] = any(one["exhausted"] for one in works)
     creases = sum(one["released"]["creases"] for one in works)
     length = sum(one["released"]["length"] * share for one, share in zip(works, shares, strict=True))
     out["released"] = {"creases": creases, "length": length}

@@ -33,6 +33,7 @@ class Goal:
     most: int | None = None  #: tets allowed
     losses: tuple[str, ...] = ()  #: what of the domain was not kept
     stopped: bool = False  #: the work was cut short
+    exhausted: bool = False  #: the search took all the work that the option effort allows
 
     @property
     def met(self) -> bool:
@@ -54,6 +55,8 @@ class Goal:
         )
         if self.stopped:
             said.append("the work was stopped")
+        elif self.missed and self.exhausted:
+            said.append("the search ended at its limit of work; a larger effort goes on")
         return f"{self.stage}: " + "; ".join((*said, *self.losses))
 
 
@@ -84,7 +87,8 @@ class StageResult:
         most = getattr(self.stage.options, "max_tets", None)
         losses = tuple(loss["text"] for loss in self.metrics.get("losses", ()))
         stopped, valid = bool(self.metrics.get("stopped")), overlap(mesh) is None
-        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), valid, most, losses, stopped)
+        exhausted = bool(self.metrics.get("exhausted"))
+        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), valid, most, losses, stopped, exhausted)
 
 
 @dataclass(frozen=True, eq=False)
