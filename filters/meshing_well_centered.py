@@ -28,7 +28,16 @@ from wct_plugin.measure.thin_walls import thinnest
 from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.periodic import find_periodic
 from wct_plugin.mesh.strata import find_strata
-from wct_plugin.meshing import boundary_choice, coincident, conforming, edge_length, parts_work, planes, search_mesh
+from wct_plugin.meshing import (
+    boundary_choice,
+    coincident,
+    conforming,
+    edge_length,
+    parts_work,
+    planes,
+    search_mesh,
+    touching_pieces,
+)
 from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.followed_surface import enclosed_volumes, stretch
@@ -236,6 +245,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
+        apart = touching_pieces.set_apart(normalized)
+        if apart:
+            normalized = apart.mesh
         pairs = find_periodic(normalized) if self._wants_pairs(mesh) else []
         own = own_boundary(normalized, self.options.crease_angle)
         choices = PatchChoices(self.options.boundary, mesh, own.strata)
@@ -253,7 +265,12 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             wanted = None if wanted is None else unit_scaling.rescaled(wanted, -unit)
             found = self._well_center(normalized, own, choices, periodic, wanted, unit, progress, tangled=tangled)
         better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
-        if found.mesh is not normalized:
+        changed = found.mesh is not normalized
+        if apart:
+            on = apart.whole_surface(found.on)
+            own = on if found.on is own else apart.whole_surface(own)
+            found = found._replace(mesh=apart.whole(found.mesh), on=on)
+        if changed:
             better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
         return own, better, found
 

@@ -48,7 +48,7 @@ std::optional<int> Operators::refine(const Facet &key, const Vec3 &peak, double 
 
 std::optional<int> Operators::split(int a, int b, double slack) {
     const double size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
-    if (norm(complex_.point(a) - complex_.point(b)) < 2.0 * shortest * size || !ring(a, b, ring_))
+    if (norm(complex_.point(a) - complex_.point(b)) < 2.0 * shortest * size || !fans(a, b, ring_))
         return std::nullopt;
     Vertex middle;
     middle.position = 0.5 * (complex_.point(a) + complex_.point(b));
@@ -89,8 +89,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     candidates_.clear();
     regions_.clear();
     for (std::size_t k = 0; k < ring_.tets.size(); ++k) {
-        const int p = ring_.link[k];
-        const int q = ring_.link[(k + 1) % ring_.link.size()];
+        const auto [p, q] = ring_.opposite[k];
         before += complex_.energy(ring_.tets[k]);
         candidates_.push_back({a, v, p, q});
         candidates_.push_back({v, b, p, q});

@@ -29,6 +29,7 @@ void Operators::touch(int v) {
 bool Operators::ring(int a, int b, Ring &ring) const {
     ring.link.clear();
     ring.tets.clear();
+    ring.opposite.clear();
     ring.closed = true;
     int from[64];
     int to[64];
@@ -68,6 +69,7 @@ bool Operators::ring(int a, int b, Ring &ring) const {
         if (found == from + count)
             return false;
         ring.tets.push_back(tets[found - from]);
+        ring.opposite.push_back({current, to[found - from]});
         current = to[found - from];
         if (k + 1 < count || !ring.closed)
             ring.link.push_back(current);
@@ -75,6 +77,27 @@ bool Operators::ring(int a, int b, Ring &ring) const {
             return false;
     }
     return !ring.closed || current == start;
+}
+
+bool Operators::fans(int a, int b, Ring &ring) const {
+    if (this->ring(a, b, ring))
+        return true;
+    ring.link.clear();
+    ring.tets.clear();
+    ring.opposite.clear();
+    ring.closed = false;
+    for (int t : complex_.star(a)) {
+        if (!complex_.has(t, b))
+            continue;
+        const Tet &tet = complex_.tet(t);
+        const int *rest = kRest[corner_of(tet, a)][corner_of(tet, b)];
+        ring.tets.push_back(t);
+        ring.opposite.push_back({tet[rest[0]], tet[rest[1]]});
+        ring.link.insert(ring.link.end(), {tet[rest[0]], tet[rest[1]]});
+    }
+    std::sort(ring.link.begin(), ring.link.end());
+    ring.link.erase(std::unique(ring.link.begin(), ring.link.end()), ring.link.end());
+    return !ring.tets.empty();
 }
 
 bool Operators::candidates_below(double limit) {

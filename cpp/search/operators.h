@@ -15,6 +15,7 @@ namespace wct::search {
 struct Ring {
     std::vector<int> link;
     std::vector<int> tets;
+    std::vector<Edge> opposite; // of each tet: link[k], link[k+1]
     bool closed = true;
 };
 
@@ -50,6 +51,8 @@ class Operators {
     std::optional<int> refine(const Facet &key, const Vec3 &peak, double slack);
 
     bool ring(int a, int b, Ring &ring) const;
+    /// The same where several fans of tets meet in the edge, as where two bodies touch in it: tets and link in any order.
+    bool fans(int a, int b, Ring &ring) const;
     std::vector<int> touched;
     void touch(int v);
 

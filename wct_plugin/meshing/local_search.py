@@ -42,6 +42,7 @@ _AT_INTERFACES = 0.8
 #: whole start with shorter edges takes longer, has more tets, and comes right no oftener.
 _FEW_STUCK = 0.002
 _PATIENCE = 6.0
+_PATIENT = 0.4  #: the part of the work that is left that this takes at most
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -72,8 +73,10 @@ class LocalSearch:
         """Evaluations per tet, after which kicks may be given up."""
         return _WORTH["keep" if self.held is not None else self.boundary] * self.effort
 
-    def run(self, start: SearchMesh, on: Reference, tolerance: Tolerance, worth: float = np.inf) -> "SearchedArrays":
-        """Search within the tolerance of the surface."""
+    def run(
+        self, start: SearchMesh, on: Reference, tolerance: Tolerance, worth: float = np.inf, part: float = 1.0
+    ) -> "SearchedArrays":
+        """Search within the tolerance of the surface, for at most this ``part`` of the work that is left."""
         fixed = self.boundary == "fixed"
         rows = np.flatnonzero(np.isin(start["facet_patch"], self.fixed))
         sides = on.sides[start["facet_patch"][rows]]
@@ -88,7 +91,7 @@ class LocalSearch:
             flat=on.flat,
             volumes=_volumes(on) if self.boundary == "move" else None,
             most_tets=self.limit.most,
-            most_evaluations=self.work.left,
+            most_evaluations=int(part * self.work.left),
             surface_points=on.points,
             surface_triangles=on.strata.triangles,
             surface_patch=on.strata.patch,
@@ -205,7 +208,8 @@ class LocalSearch:
         tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         while True:
-            found = self.run(start, self._without(on, gone), tolerance, worth)
+            part = _PATIENT if self.worth < worth < np.inf else 1.0
+            found = self.run(start, self._without(on, gone), tolerance, worth, part)
             found["released"] = np.union1d(gone, found["released"])
             tried.append(found)
             if not len(found["stuck"]) or self.listen.stopped or worth == np.inf or not self.work.left:
