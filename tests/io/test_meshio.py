@@ -18,8 +18,8 @@ from wct_plugin.io import read, write
 from wct_plugin.io.formats import FORMATS
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
-VOLUMES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.volume]
-SURFACES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.surface]
+VOLUMES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.volume and form.writes]
+SURFACES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.surface and form.writes]
 A_NAME = "a name <&\"é'"
 
 

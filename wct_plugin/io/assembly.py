@@ -1,6 +1,6 @@
 """What a file holds, kind of cell by kind of cell, becomes a :class:`TetMesh` or a :class:`SurfaceMesh`."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import unquote
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io import formats
 from wct_plugin.io.periodic_sides import is_periodic
+from wct_plugin.io.polygons import as_triangles
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
@@ -49,6 +50,7 @@ def to_mesh(
 
     Raises :class:`InputError` for cells of other kinds, and where there is neither tet nor triangle.
     """
+    raw = as_triangles(raw)
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
     if not len(kinds[main].cells):
@@ -247,10 +249,3 @@ def _whole(values: NDArray[Any]) -> NDArray[Any]:
     if values.dtype.kind == "f" and np.isfinite(values).all() and (values == np.rint(values)).all():
         return values.astype(np.int64)
     return values
-
-
-def with_tags(surface: SurfaceMesh) -> SurfaceMesh:
-    """The surface with its conventional array of tags, if any, as its tags."""
-    kinds = {"triangle": _Kind(surface.triangles, dict(surface.cell_data))}
-    _take_tags(kinds, TAGS)
-    return replace(surface, tags=kinds["triangle"].tags, cell_data=kinds["triangle"].data)  # type: ignore[arg-type]

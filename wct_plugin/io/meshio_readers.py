@@ -112,12 +112,10 @@ def _bulk_data(file: Path) -> io.StringIO:
 
 
 def _check_count(raw: RawMesh, file: Path, form: Format) -> None:
-    """Meshio stops at the end of an SU2 file whatever was announced, and of the pieces of a VTU keeps the last."""
-    announced = {"SU2": rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", "VTU": rb"NumberOfCells\s*=\s*[\"']\s*(\d+)"}
-    if form.name not in announced:
+    """Meshio stops at the end of an SU2 file whatever was announced."""
+    if form.name != "SU2":
         return
-    counts = [int(count) for count in re.findall(announced[form.name], file.read_bytes())]
+    announced = sum(int(count) for count in re.findall(rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", file.read_bytes()))
     read = sum(len(block) for block in raw.cells)
-    if sum(counts) != read:
-        pieces = f" in {len(counts)} pieces; allowed is one piece" if len(counts) > 1 and form.name == "VTU" else ""
-        raise InputError(f"has {read} cells but announces {sum(counts)}{pieces}")
+    if announced != read:
+        raise InputError(f"has {read} cells but announces {announced}")
