@@ -36,7 +36,7 @@ class Format:
 
 FORMATS = (
     Format("VTU", (".vtu",), "vtu", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="vtu"),
-    Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True),
+    Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True, reader="vtk_legacy"),
     Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True),
     Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True),
     Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True),

@@ -16,8 +16,8 @@ from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.vtk_arrays import VtkXml, parse, values
 from wct_plugin.types import Ints
 
-#: The groups of cells of a ``.vtp`` file, in the order of its cell data, with VTK's type.
-_GROUPS = {"Verts": 2, "Lines": 4, "Strips": 6, "Polys": 7}
+#: The groups of cells of a ``.vtp`` file, in the order of its cell data, which VTK writes as it has it in memory.
+_GROUPS = {"Verts": 2, "Lines": 4, "Polys": 7, "Strips": 6}
 #: Arrays of a grid's cells beyond types and points: the faces of polyhedra.
 _Table = tuple[NDArray[Any], Ints, NDArray[Any]]
 
