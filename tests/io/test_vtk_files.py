@@ -61,9 +61,7 @@ def test_every_encoding(
     writer = vtkXMLUnstructuredGridWriter()
     writer.SetInputData(grid)
     writer.SetFileName(str(tmp_path / "a.vtu"))
-    {"ascii": writer.SetDataModeToAscii, "binary": writer.SetDataModeToBinary}.get(
-        mode, writer.SetDataModeToAppended
-    )()
+    {"ascii": writer.SetDataModeToAscii, "binary": writer.SetDataModeToBinary}.get(mode, writer.SetDataModeToAppended)()
     writer.SetEncodeAppendedData(mode == "base64")
     {"none": writer.SetCompressorTypeToNone, "zlib": writer.SetCompressorTypeToZLib,
      "lz4": writer.SetCompressorTypeToLZ4, "lzma": writer.SetCompressorTypeToLZMA}[packed]()  # fmt: skip
@@ -114,7 +112,7 @@ def test_arrays_of_text_are_named(grid: pv.UnstructuredGrid, tmp_path: Path) -> 
     [
         (('type="UnstructuredGrid"', 'type="ImageData"'), "holds ImageData; expected a VTKFile of type Unstruct"),
         (("vtkZLibDataCompressor", "vtkZstdDataCompressor"), "is packed by vtkZstdDataCompressor; allowed are vtkZLib"),
-        (("<?xml version=\"1.0\"?>", '<!DOCTYPE a [<!ENTITY b "c">]>'), "declares the XML entity 'b'; allowed are"),
+        (('<?xml version="1.0"?>', '<!DOCTYPE a [<!ENTITY b "c">]>'), "declares the XML entity 'b'; allowed are"),
         (('NumberOfCells="', 'NumberOfCells="9'), r"has 180 cells but announces 9180"),
         (('NumberOfPoints="', 'NumberOfPoints="9'), r"has points of shape \(64, 3\) but announces 964"),
         (('type="Float64" Name="heat"', 'type="Float99" Name="heat"'), "array 'heat' has the type 'Float99'"),
@@ -134,7 +132,9 @@ def cut(grid: pv.UnstructuredGrid, count: int) -> list[pv.UnstructuredGrid]:
     """Pieces along x, in the order of the cells, with what shows whether arrays follow their cells."""
     middle = grid.cell_centers().points[:, 0]
     slab = np.minimum((middle / grid.points[:, 0].max() * count).astype(int), count - 1)
-    return [grid.extract_cells(np.flatnonzero(slab == k), pass_cell_ids=False, pass_point_ids=False) for k in range(count)]
+    return [
+        grid.extract_cells(np.flatnonzero(slab == k), pass_cell_ids=False, pass_point_ids=False) for k in range(count)
+    ]
 
 
 def test_a_vtu_of_several_pieces_is_joined(grid: pv.UnstructuredGrid, tmp_path: Path) -> None:
@@ -220,7 +220,9 @@ def test_points_that_pieces_do_not_share_stay_apart(tmp_path: Path) -> None:
     """Two tets glued at a corner in the file's pieces, and a crack within a piece: neither is closed."""
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [0, 0, 0]])
     crack = pv.UnstructuredGrid({10: np.array([[0, 1, 2, 3], [5, 1, 2, 4]])}, points)
-    other = pv.UnstructuredGrid({10: np.array([[0, 1, 2, 3]])}, np.array([[0.0, 0, 0], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]))
+    other = pv.UnstructuredGrid(
+        {10: np.array([[0, 1, 2, 3]])}, np.array([[0.0, 0, 0], [-1, 0, 0], [0, -1, 0], [0, 0, -1]])
+    )
     crack.save(tmp_path / "0.vtu")
     other.save(tmp_path / "1.vtu")
     (tmp_path / "a.pvtu").write_text(
@@ -239,7 +241,9 @@ def test_pvtu_opens_nothing_elsewhere(name: str, tmp_path: Path) -> None:
     (tmp_path / "sub/a.pvtu").write_text(
         f'<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid><Piece Source="{name}"/></PUnstructuredGrid></VTKFile>'
     )
-    said = "there is no such file" if name == "missing.vtu" else "which lies elsewhere; allowed are files beside or below"
+    said = (
+        "there is no such file" if name == "missing.vtu" else "which lies elsewhere; allowed are files beside or below"
+    )
     with pytest.raises(InputError, match=rf"a\.pvtu: cannot be read as PVTU: names the file '{name}', .*{said}"):
         read(tmp_path / "sub/a.pvtu")
 

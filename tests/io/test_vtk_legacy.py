@@ -104,7 +104,9 @@ def test_polygons(version: int, binary: bool, tmp_path: Path) -> None:
     assert np.linalg.det(surface.points[surface.triangles]).sum() / 6 == pytest.approx(1, rel=1e-12)
 
 
-HEAD = "# vtk DataFile Version 2.0\nby hand\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n"
+HEAD = (
+    "# vtk DataFile Version 2.0\nby hand\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n"
+)
 
 
 def test_colours_tables_and_blank_lines(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ class Format:
 FORMATS = (
     Format("VTU", (".vtu",), "vtu", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="vtu"),
     Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True, reader="vtk_legacy"),
-    Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True),
+    Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf"),
     Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True),
     Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True),
     Format("Medit", (".mesh", ".meshb"), "medit", _ALL[:3], _ALL[:3]),
@@ -67,9 +67,7 @@ def to_read(path: Path) -> Format:
 def to_write(path: Path, *, volume: bool) -> Format:
     """The format of a file to write; :class:`OutputError` lists the suffixes that can carry the mesh."""
     able = {
-        suffix: form
-        for suffix, form in _BY_SUFFIX.items()
-        if form.writes and (form.volume if volume else form.surface)
+        suffix: form for suffix, form in _BY_SUFFIX.items() if form.writes and (form.volume if volume else form.surface)
     }
     form = _find(path, OutputError, able if path.suffix.lower() not in _BY_SUFFIX else _BY_SUFFIX)
     if not form.writes:

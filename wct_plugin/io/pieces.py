@@ -24,7 +24,10 @@ def without_ghosts(raw: RawMesh) -> RawMesh:
     if name is None:
         return raw
     columns = raw.cell_data.pop(name)
-    keep = [np.ones(len(block), bool) if ghost is None else ghost == 0 for block, ghost in zip(raw.cells, columns, strict=True)]
+    keep = [
+        np.ones(len(block), bool) if ghost is None else ghost == 0
+        for block, ghost in zip(raw.cells, columns, strict=True)
+    ]
     dropped = sum(int((~kept).sum()) for kept in keep)
     if not dropped:
         return raw

@@ -10,16 +10,16 @@ from wct_plugin.errors import InputError
 
 
 def runs(
-    flat: NDArray[Any], heads: list[int], width: Callable[[NDArray[Any]], int]
+    flat: NDArray[Any], layout: Callable[[NDArray[Any]], tuple[int, list[int]]]
 ) -> Iterator[tuple[int, NDArray[Any]]]:
     """Tables of records one after the other, and where in ``flat`` each begins.
 
-    ``width`` tells the length of the record that an array begins with; all records that have the same values in the
-    columns ``heads`` have the same length. Raises :class:`InputError` where the last one is not whole.
+    ``layout`` tells of the record that an array begins with its length, and in which columns all records of this
+    length and layout have the same values. Raises :class:`InputError` where the last one is not whole.
     """
     start = 0
     while start < len(flat):
-        size = width(flat[start:])
+        size, heads = layout(flat[start:])
         count = _alike(flat[start:], heads, size)
         if size < 1 or not count:
             raise InputError("ends within a cell")

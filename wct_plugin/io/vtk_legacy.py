@@ -63,8 +63,10 @@ class _Reader:
             )
             return starts.astype(np.int64), points
         flat = self.source.numbers(size, "int")
-        tables = [table for _, table in runs(flat, [0], lambda rest: int(rest[0]) + 1)]
-        sizes = np.concatenate([np.empty(0, np.int64), *(np.repeat(table.shape[1] - 1, len(table)) for table in tables)])
+        tables = [table for _, table in runs(flat, lambda rest: (int(rest[0]) + 1, [0]))]
+        sizes = np.concatenate(
+            [np.empty(0, np.int64), *(np.repeat(table.shape[1] - 1, len(table)) for table in tables)]
+        )
         if len(sizes) != count:
             raise InputError(f"has {len(sizes)} cells but announces {count}")
         points = np.concatenate([flat[:0], *(table[:, 1:].ravel() for table in tables)])
