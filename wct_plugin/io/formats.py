@@ -39,7 +39,7 @@ FORMATS = (
     Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True, reader="vtk_legacy"),
     Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf"),
     Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True),
-    Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True),
+    Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True, reader="med"),
     Format("Medit", (".mesh", ".meshb"), "medit", _ALL[:3], _ALL[:3]),
     Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3]),
     Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True),
