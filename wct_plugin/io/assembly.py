@@ -119,9 +119,8 @@ def _kinds(raw: RawMesh) -> dict[str, _Kind]:
             continue
         made = _Kind(np.concatenate([np.asarray(raw.cells[k].data) for k in blocks]).astype(np.int64))
         for name, values in raw.cell_data.items():
-            parts = [part for k in blocks if (part := values[k]) is not None]
-            if name not in _PRIVATE and len(parts) == len(blocks):
-                made.data[str(name)] = _native(np.concatenate(parts))
+            if name not in _PRIVATE and any(values[k] is not None for k in blocks):
+                made.data[str(name)] = _native(_joined([(values[k], len(raw.cells[k])) for k in blocks]))
         starts = np.cumsum([0, *(len(raw.cells[k]) for k in blocks)])
         for name, members in raw.cell_sets.items():
             if name not in _PRIVATE:
@@ -134,6 +133,16 @@ def _kinds(raw: RawMesh) -> dict[str, _Kind]:
             made.sets[group] = np.flatnonzero(np.isin(made.data["cell_tags"], tags))
         kinds[kind] = made
     return kinds
+
+
+def _joined(parts: list[tuple[NDArray[Any] | None, int]]) -> NDArray[Any]:
+    """One column of those of several blocks; of a block that has none, zero or NaN."""
+    known = [np.asarray(part) for part, _ in parts if part is not None]
+    dtype = np.result_type(*known)
+    fill: Any = np.nan if dtype.kind == "f" else np.zeros(1, dtype)[0]
+    return np.concatenate(
+        [np.full((count, *known[0].shape[1:]), fill, dtype) if part is None else part for part, count in parts]
+    )
 
 
 def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:

@@ -51,6 +51,7 @@ FORMATS = (
     Format("OFF", (".off",), "", _ALL[1:2], reader="off"),
     Format("PVTU", (".pvtu",), "", _ALL, reader="pvtu", writes=False),
     Format("VTP", (".vtp",), "", _ALL[1:2], reader="vtu", writes=False),
+    Format("Exodus", (".e", ".exo", ".ex2"), "", _ALL, reader="exodus", writes=False),
 )
 
 #: What a dataset of pyvista can carry; it is no file.
