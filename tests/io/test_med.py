@@ -115,7 +115,9 @@ def test_as_gmsh_writes_it(tmp_path: Path) -> None:
         gmsh.finalize()
     mesh: Any = read(tmp_path / "a.med")
     size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
-    assert sorted(size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions)) == pytest.approx([1, 2], rel=1e-12)
+    assert sorted(size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions)) == pytest.approx(
+        [1, 2], rel=1e-12
+    )
     assert set(mesh.tet_sets) | set(mesh.names) >= {"acier", "béton"}
     assert "entrée" in mesh.facets.sets or "entrée" in mesh.names
 

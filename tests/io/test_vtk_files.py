@@ -252,7 +252,8 @@ def test_polydata_of_triangles_strips_quads_and_lines(tmp_path: Path) -> None:
     quads = pv.Plane(i_resolution=2, j_resolution=2).translate((0, 0, 1))
     below = [[x, y, 0.0] for x in range(4) for y in range(2)]
     points = np.vstack([below, quads.points])
-    whole = pv.PolyData(points, strips=[8, *range(8)], faces=(quads.faces.reshape(-1, 5) + [0, 8, 8, 8, 8]).ravel())
+    shift = np.array([0, 8, 8, 8, 8])
+    whole = pv.PolyData(points, strips=[8, *range(8)], faces=(quads.faces.reshape(-1, 5) + shift).ravel())
     whole.cell_data["id"] = np.arange(whole.n_cells)
     writer = vtkXMLPolyDataWriter()
     writer.SetInputData(whole)

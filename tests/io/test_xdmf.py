@@ -140,8 +140,7 @@ def test_a_mesh_function_of_dolfin(tmp_path: Path) -> None:
         extra = f'<Attribute Name="f" AttributeType="Scalar" Center="Cell">{values}</Attribute>'
         xdmf(tmp_path / "f.xdmf", mesh_grid(file, extra))
     mesh: Any = read(tmp_path / "f.xdmf")
-    got = mesh.cell_data["f"] if "f" in mesh.cell_data else mesh.regions
-    assert np.array_equal(got, CUBE.regions + 10)
+    assert np.array_equal(mesh.cell_data.get("f", mesh.regions), CUBE.regions + 10)
 
 
 def test_a_time_series_of_meshio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -188,7 +187,8 @@ def test_slabs_and_binary_files(tmp_path: Path) -> None:
     count = len(CUBE.tets)
     whole = f'<DataItem Format="Binary" DataType="Int" Precision="4" Endian="Big" Seek="8" Dimensions="2 {count} 4">'
     whole += "below/cells.bin</DataItem>"
-    slab = f'<DataItem ItemType="HyperSlab" Dimensions="{count} 4">{inline([[1, 0, 0], [1, 1, 1], [1, count, 4]])}{whole}</DataItem>'
+    part = inline([[1, 0, 0], [1, 1, 1], [1, count, 4]])
+    slab = f'<DataItem ItemType="HyperSlab" Dimensions="{count} 4">{part}{whole}</DataItem>'
     cells = f'<Topology TopologyType="Tetrahedron" NumberOfElements="{count}">{slab}</Topology>'
     xdmf(tmp_path / "a.xdmf", grid("a", f"{cells}<Geometry>{inline(POINTS, 'Float')}</Geometry>"))
     mesh: Any = read(tmp_path / "a.xdmf")
@@ -227,7 +227,7 @@ def test_quads_and_other_cells_of_a_mixed_topology(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("mesh.h5:/Mesh/mesh/geometry", "../mesh.h5:/Mesh/mesh/geometry"), "names the file '../mesh.h5', which lies else"),
+        (("mesh.h5:/Mesh/mesh/geometry", "../mesh.h5:/Mesh/mesh/geometry"), "names the file '../mesh.h5', which"),
         (("mesh.h5:/Mesh/mesh/geometry", "/etc/mesh.h5:/a"), "names the file '/etc/mesh.h5', which lies elsewhere"),
         (("/Mesh/mesh/geometry", "/Mesh/mesh/none"), "names '/Mesh/mesh/none' in mesh.h5, where there is nothing"),
         (("/Mesh/mesh/geometry", "/Mesh/mesh/link"), "names '/Mesh/mesh/link' in mesh.h5, which is kept in another"),

@@ -12,7 +12,20 @@ from wct_plugin.io.assembly import NAME
 from wct_plugin.io.netcdf import Variables
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
-_WANTED = ("coord", "connect", "eb_", "ss_", "ns_", "elem_ss", "side_ss", "node_ns", "name_", "vals_", "time_", "attrib")
+_WANTED = (
+    "coord",
+    "connect",
+    "eb_",
+    "ss_",
+    "ns_",
+    "elem_ss",
+    "side_ss",
+    "node_ns",
+    "name_",
+    "vals_",
+    "time_",
+    "attrib",
+)
 #: By the beginning of a type's name and the number of points: meshio's name, and the dimension.
 _KINDS = {
     ("TET", 4): ("tetra", 3), ("TET", 10): ("tetra10", 3), ("TRI", 3): ("triangle", 2), ("TRI", 6): ("triangle6", 2),
@@ -124,7 +137,7 @@ def _node_values(found: Variables) -> list[NDArray[Any]]:
 
 
 def _side_sets(raw: RawMesh, found: Variables, lost: list[str]) -> None:
-    """Facets of all side sets, each facet once: the first set it is in is its tag, and every set is a set."""
+    """Facets of all side sets, each once, tagged by the first set it is in; sets that lose by this are sets too."""
     numbers = _numbered(found, "elem_ss")
     ids = _ids(found, "ss", max(numbers, default=0))
     names = _names(found, "ss", ids)
@@ -146,12 +159,13 @@ def _side_sets(raw: RawMesh, found: Variables, lost: list[str]) -> None:
         for columns in raw.cell_data.values():
             columns.append(None)
         raw.cell_data[_TAGS][-1] = np.array(ids)[owner[first] - 1]
-        for members in raw.cell_sets.values():
-            members.append(None)
+        for sets in raw.cell_sets.values():
+            sets.append(None)
         for number in dict.fromkeys(owner.tolist()):
-            name = names[number - 1] or f"side set {ids[number - 1]}"
-            members = raw.cell_sets.setdefault(name, [None] * len(raw.cells))
-            members[-1] = np.unique(place[owner == number])
+            inside = np.unique(place[owner == number])
+            if not names[number - 1] or len(inside) > (owner[first] == number).sum():
+                name = names[number - 1] or f"side set {ids[number - 1]}"
+                raw.cell_sets.setdefault(name, [None] * len(raw.cells))[-1] = inside
 
 
 def _sides(
@@ -167,7 +181,9 @@ def _sides(
         for side in np.unique(sides[mine]).tolist():
             known = _SIDES.get(block.type, [])
             if not 0 <= side < len(known):
-                raise InputError(f"side set {name} names side {side + 1} of {block.type} cells, which have {len(known)}")
+                raise InputError(
+                    f"side set {name} names side {side + 1} of {block.type} cells, which have {len(known)}"
+                )
             corners = known[side]
             rows = (cells[mine & (sides == side)] - start).astype(np.int64)
             made.append((_FACETS[len(corners)], block.data[rows][:, corners]))

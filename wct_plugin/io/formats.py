@@ -51,6 +51,8 @@ FORMATS = (
     Format("OFF", (".off",), "", _ALL[1:2], reader="off"),
     Format("PVTU", (".pvtu",), "", _ALL, reader="pvtu", writes=False),
     Format("VTP", (".vtp",), "", _ALL[1:2], reader="vtu", writes=False),
+    Format("UNV", (".unv",), "", _ALL, reader="unv", writes=False),
+    Format("XML", (".xml",), "", _ALL[:2], reader="xml_mesh", writes=False),
     Format("Exodus", (".e", ".exo", ".ex2"), "", _ALL, reader="exodus", writes=False),
 )
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import med_fields
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: MED's kinds of cells by meshio's names.
@@ -17,12 +18,11 @@ _KINDS = {
     "H20": "hexahedron20", "H27": "hexahedron27", "OCT": "octahedron",
 }  # fmt: skip
 _POLYGONS, _POLYHEDRA = ("POG", "PG2"), "POE"
-_WHOLE = "MED_NO_PROFILE_INTERNAL"
 
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
     """What the file holds, and what of it is left out. Raises :class:`InputError` without the file's name."""
-    import h5py
+    import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
 
     lost: list[str] = []
     notes: list[str] = []
@@ -36,11 +36,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
         families = file.get(f"FAS/{meshes[0]}", mesh.get("FAS", {}))
         raw.families = _families(families.get("ELEME", {}))
         _point_groups(raw, step["NOE"], _families(families.get("NOEUD", {})))
-        for name, group in file.get("CHA", {}).items():
-            if _text(group.attrs.get("MAI", b"")) not in ("", meshes[0]):
-                lost.append(f"field {name!r}, which is of another mesh")
-            else:
-                _field(raw, names, name, group, file.get("PROFILS", {}), lost)
+        med_fields.put(raw, names, file, meshes[0], lost)
     raw.notes += notes
     return raw, lost
 
@@ -114,15 +110,13 @@ def _families(group: Any) -> dict[int, list[str]]:
     return {number: names for number, names in made.items() if names}
 
 
-def _text(content: Any) -> str:
+def _text(row: bytes) -> str:
     """A name of fixed length: in UTF-8, as Salome has it, or in Latin-1, as older programs."""
-    if isinstance(content, str):
-        return content.strip()
-    content = bytes(content).partition(b"\0")[0].strip()
+    name = row.partition(b"\0")[0].strip()
     try:
-        return content.decode("utf-8")
+        return name.decode("utf-8")
     except UnicodeDecodeError:
-        return content.decode("latin-1")
+        return name.decode("latin-1")
 
 
 def _point_groups(raw: RawMesh, points: Any, families: dict[int, list[str]]) -> None:
@@ -134,42 +128,3 @@ def _point_groups(raw: RawMesh, points: Any, families: dict[int, list[str]]) -> 
     for name in dict.fromkeys(name for names in families.values() for name in names):
         members = [number for number, names in families.items() if name in names]
         raw.point_sets[name] = np.flatnonzero(np.isin(numbers, members))
-
-
-def _field(raw: RawMesh, names: list[str], name: str, group: Any, profiles: Any, lost: list[str]) -> None:
-    """All steps of a field: under its name where there is one, else with number and time."""
-    steps = sorted(group)
-    for k, key in enumerate(steps):
-        title = name if len(steps) == 1 else f"{name}[{k}] - {float(group[key].attrs['PDT']):g}"
-        for support, data in group[key].items():
-            where, _, kind = support.partition(".")
-            if where == "NOE" and not kind:
-                raw.point_data[title] = _values(data, len(raw.points), profiles)
-            elif kind in names and kind in _KINDS:
-                columns = raw.cell_data.setdefault(title, [None] * len(raw.cells))
-                block = names.index(kind)
-                columns[block] = _values(data, len(raw.cells[block]), profiles)
-            else:
-                lost.append(f"field {title!r} on {support}")
-
-
-def _values(data: Any, count: int, profiles: Any) -> NDArray[Any]:
-    """A value per entity, NaN where no profile has the entity; several per entity at Gauss points or corners."""
-    made: NDArray[Any] | None = None
-    for name, part in data.items():
-        points = int(part.attrs["NGA"]) if "NGA" in part.attrs else 1
-        values = np.asarray(part["CO"][()])
-        rows = slice(None) if name == _WHOLE else np.asarray(profiles[name]["PFL"][()]) - 1
-        entities = count if name == _WHOLE else len(rows)  # type: ignore[arg-type]
-        if values.size % (entities * points or 1):
-            raise InputError(f"has a field of {values.size} values for {entities} entities")
-        values = np.moveaxis(values.reshape(-1, entities, points), 0, 2)
-        if made is None:
-            whole = name == _WHOLE
-            fill = np.nan if values.dtype.kind == "f" else 0
-            made = np.array(values) if whole else np.full((count, *values.shape[1:]), fill, dtype=values.dtype)
-        made[rows] = values
-    if made is None:
-        raise InputError("has a field without values")
-    made = made[:, 0] if made.shape[1] == 1 else made
-    return made[..., 0] if made.shape[-1] == 1 else made

@@ -43,7 +43,7 @@ def read(path: Path, wanted: tuple[str, ...]) -> Variables:
 
 
 def _from_hdf(path: Path, wanted: tuple[str, ...]) -> Variables:
-    import h5py
+    import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
 
     arrays: dict[str, NDArray[Any]] = {}
     types: dict[str, str] = {}

@@ -113,7 +113,7 @@ def _merge(made: RawMesh, pieces: list[RawMesh], starts: NDArray[np.int64]) -> i
 
 
 def _boundary(raw: RawMesh) -> NDArray[np.int64]:
-    """The points on sides that only one cell of the piece has; all of them where the cells are neither tets nor triangles."""
+    """The points on sides that only one cell of the piece has; all points where there are other kinds of cells."""
     kinds = {block.type for block in raw.cells if len(block)}
     main = next((kind for kind in _SIDES if kind in kinds), None)
     if main is None or kinds - {"tetra", "triangle", "line", "vertex"}:

@@ -73,8 +73,8 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     cell_data = {name: values for name, values in face.items() if not isinstance(values, list)}
     sizes = np.array([len(face) for face in corners], dtype=np.int64)
     flat = np.concatenate([*corners, np.empty(0, np.int64)]).astype(np.int64)
-    blocks, columns = vtk_cells.faces(sizes, flat, cell_data)
-    return RawMesh(points, blocks, point_data, columns), lost
+    blocks, blocks_data = vtk_cells.faces(sizes, flat, cell_data)
+    return RawMesh(points, blocks, point_data, blocks_data), lost
 
 
 def write(

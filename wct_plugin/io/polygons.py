@@ -86,7 +86,8 @@ def _quads(places: NDArray[np.float64]) -> NDArray[np.int64]:
     inside = (areas[:, :, 0] * areas[:, :, 1]).sum(axis=2) > 0
     lengths = np.linalg.norm(places[:, [2, 3]] - places[:, [0, 1]], axis=2)
     lengths[~inside & inside.any(axis=1)[:, None]] = np.inf
-    return ways[(lengths[:, 1] < lengths[:, 0]).astype(int)]
+    chosen: NDArray[np.int64] = ways[(lengths[:, 1] < lengths[:, 0]).astype(int)]
+    return chosen
 
 
 def _fans(places: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -103,20 +104,24 @@ def _fans(places: NDArray[np.float64]) -> NDArray[np.int64]:
 
 def _areas(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
     """Twice the areas, along the normals."""
-    return np.cross(triangles[..., 1, :] - triangles[..., 0, :], triangles[..., 2, :] - triangles[..., 0, :])
+    a, b, c = np.moveaxis(triangles, -2, 0)
+    areas: NDArray[np.float64] = np.cross(b - a, c - a)
+    return areas
 
 
 def _normals(places: NDArray[np.float64]) -> NDArray[np.float64]:
     """Newell's normals, which need neither planar nor convex faces."""
     middle = places - places.mean(axis=1, keepdims=True)
-    return np.cross(middle, np.roll(middle, -1, axis=1)).sum(axis=1)
+    normals: NDArray[np.float64] = np.cross(middle, np.roll(middle, -1, axis=1)).sum(axis=1)
+    return normals
 
 
 def _flat(places: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
     """The corners seen against the normal: in the plane without its largest coordinate, turned to the left."""
     axis = int(np.abs(normal).argmax())
     others = [(axis + 1) % 3, (axis + 2) % 3]
-    return places[:, others if normal[axis] >= 0 else others[::-1]]
+    flat: NDArray[np.float64] = places[:, others if normal[axis] >= 0 else others[::-1]]
+    return flat
 
 
 def _ears(flat: NDArray[np.float64]) -> list[list[int]]:
@@ -132,7 +137,7 @@ def _ears(flat: NDArray[np.float64]) -> list[list[int]]:
             before, corner, after = left[place - 1], left[place], left[(place + 1) % len(left)]
             turn = _turn(flat[before], flat[corner], flat[after])
             ear = turn > 0 and not _holds(flat, (before, corner, after), left)
-            cost = float(np.linalg.norm(flat[after] - flat[before])) if ear else -turn
+            cost = float(np.linalg.norm(flat[after] - flat[before]) if ear else -turn)
             if best is None or (not ear, cost) < best[:2]:
                 best = (not ear, cost, place)
         assert best is not None

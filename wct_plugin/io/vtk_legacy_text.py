@@ -1,7 +1,6 @@
 """The lines and numbers of VTK's older files, one after the other."""
 
 import re
-import warnings
 from functools import cached_property
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import plain_numbers
 
 #: Types by their names; binary files keep an id in 4 bytes, whatever VTK has in memory.
 _TYPES = {
@@ -92,12 +92,9 @@ class Source:
             raise InputError("ends within its numbers")
         if not count:
             return np.empty(0, dtype)
-        text = self.data[starts[first] : ends[first + count - 1]].decode("ascii", "replace")
+        text = self.data[starts[first] : ends[first + count - 1]]
         self.at = int(ends[first + count - 1])
-        with warnings.catch_warnings():
-            warnings.filterwarnings("error", category=DeprecationWarning)  # NumPy only deprecates what is no number
-            array = np.fromstring(text, np.float64 if dtype.kind == "f" else np.int64, sep=" ")
-        return array.astype(dtype)
+        return plain_numbers.parse(text, np.float64 if dtype.kind == "f" else np.int64).astype(dtype)
 
     def skip_text(self, count: int, kind: str) -> None:
         """Go on after an array of words: a line each, or the length before each."""

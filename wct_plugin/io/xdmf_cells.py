@@ -12,10 +12,11 @@ from wct_plugin.io.record_runs import runs
 _TYPES = {
     1: (2, 0, "polyvertex"), 2: (4, 0, "polyline"), 3: (7, 0, "polygon"), 4: (5, 3, "triangle"),
     5: (9, 4, "quadrilateral quad"), 6: (10, 4, "tetrahedron tet"), 7: (14, 5, "pyramid"), 8: (13, 6, "wedge"),
-    9: (12, 8, "hexahedron hex"), 16: (42, 0, "polyhedron"), 34: (21, 3, "edge_3"), 35: (28, 9, "quadrilateral_9 quad_9"),
-    36: (22, 6, "triangle_6 tri_6"), 37: (23, 8, "quadrilateral_8 quad_8"), 38: (24, 10, "tetrahedron_10 tet_10"),
-    39: (27, 13, "pyramid_13"), 40: (26, 15, "wedge_15"), 41: (32, 18, "wedge_18"), 48: (25, 20, "hexahedron_20 hex_20"),
-    49: (33, 24, "hexahedron_24 hex_24"), 50: (29, 27, "hexahedron_27 hex_27"),
+    9: (12, 8, "hexahedron hex"), 16: (42, 0, "polyhedron"), 34: (21, 3, "edge_3"),
+    35: (28, 9, "quadrilateral_9 quad_9"), 36: (22, 6, "triangle_6 tri_6"), 37: (23, 8, "quadrilateral_8 quad_8"),
+    38: (24, 10, "tetrahedron_10 tet_10"), 39: (27, 13, "pyramid_13"), 40: (26, 15, "wedge_15"),
+    41: (32, 18, "wedge_18"), 48: (25, 20, "hexahedron_20 hex_20"), 49: (33, 24, "hexahedron_24 hex_24"),
+    50: (29, 27, "hexahedron_27 hex_27"),
 }  # fmt: skip
 _POLYHEDRON = 16
 _MIXED = [code for code in _TYPES if code != _POLYHEDRON]

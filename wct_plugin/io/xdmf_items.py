@@ -102,7 +102,7 @@ class XdmfFile:
         return array.reshape(shape or array.shape)
 
     def _from_hdf(self, text: str) -> NDArray[Any]:
-        import h5py
+        import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
 
         name, colon, inside = text.rpartition(":")
         if not colon:
@@ -120,7 +120,8 @@ class XdmfFile:
         return array.astype(array.dtype.newbyteorder("="))
 
     def _from_bytes(self, text: str, item: ET.Element) -> NDArray[Any]:
-        dtype = _dtype(item).newbyteorder({"Big": ">", "Little": "<"}.get(item.get("Endian", ""), "="))
+        order: Any = {"Big": ">", "Little": "<"}.get(item.get("Endian", ""), "=")
+        dtype = _dtype(item).newbyteorder(order)
         path = companion(self.path, text)
         with path.open("rb") as file:
             file.seek(int(item.get("Seek", "0")))

@@ -1,7 +1,7 @@
-"""Grids on the same points become one mesh: cells, and tags of cells, facets and edges that stand in grids of their own.
+"""Grids on the same points become one mesh: cells, and tags of cells, facets and edges that have grids of their own.
 
-So dolfinx writes a mesh with its ``MeshTags``, dolfin its ``MeshFunction`` and ``MeshValueCollection``: every grid of tags
-lists the cells or facets it speaks of, in an order of its own, with one attribute.
+So dolfinx writes a mesh with its ``MeshTags``, dolfin its ``MeshFunction`` and ``MeshValueCollection``: every grid of
+tags lists the cells or facets it speaks of, in an order of its own, with one attribute.
 """
 
 from dataclasses import dataclass, field
@@ -62,12 +62,12 @@ class _Kind:
         before = len(self.cells)
         self.cells = np.concatenate([self.cells, cells[new]])
         for name in {**self.data, **data}:
-            values = data.get(name)
-            old = self.data.get(name, values[:0] if values is not None else None)
-            dtype = np.result_type(*(array for array in (old, values) if array is not None))
+            old, values = self.data.get(name), data.get(name)
+            given = [array for array in (old, values) if array is not None]
+            dtype = np.result_type(*given)
             fill: Any = np.nan if dtype.kind == "f" else 0
-            column = np.full((len(self.cells), *old.shape[1:]), fill, dtype=dtype)
-            if name in self.data:
+            column = np.full((len(self.cells), *given[0].shape[1:]), fill, dtype=dtype)
+            if old is not None:
                 column[:before] = old
             if values is not None:
                 column[place] = values
