@@ -1,7 +1,6 @@
 """The readers of meshio, kept quiet and guarded against what they loop on or do not see."""
 
 import contextlib
-import importlib
 import io
 import re
 import warnings
@@ -12,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import tetgen_face_file
+from wct_plugin.io import meshio_gmsh, tetgen_face_file
 from wct_plugin.io.formats import Format
-from wct_plugin.io.meshio_fixes import mend
+from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: What meshio only warns of although part of the file is missing then.
@@ -25,13 +24,12 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
     """What the file holds, and what meshio says it has left out. Whatever goes wrong is an InputError."""
     with refusing(form):
         _check_ends(file, form)
-        mend(form)
         source: Any = _bulk_data(file) if form.name == "Nastran" else str(file)
         # The overflow is that of STL's count of triangles, which in a text file is no count.
         with overheard() as said, warnings.catch_warnings(), np.errstate(over="ignore"):
             # NumPy only deprecates reading past what is no number.
             warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
-            raw = _raw(importlib.import_module(f"meshio.{form.module}").read(source))
+            raw = _raw((meshio_gmsh if form.name == "gmsh" else meshio_module(form.module)).read(source))
         for warning in said:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)

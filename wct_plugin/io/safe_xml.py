@@ -22,7 +22,7 @@ def parse(text: bytes) -> ET.Element:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise InputError(f"is no XML: {error}") from error
+        raise InputError(f"is no XML, or truncated ({error})") from error
     return builder.close()
 
 
