@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import plain_numbers
 from wct_plugin.io.companions import companion
 
 _KINDS = {"int": "i", "uint": "u", "float": "f", "char": "i", "uchar": "u", "short": "i", "ushort": "u"}
@@ -91,7 +92,8 @@ class XdmfFile:
             case "HDF":
                 array = self._from_hdf(text)
             case "XML":
-                array = np.array(text.split(), dtype=_dtype(item))
+                dtype = _dtype(item)
+                array = plain_numbers.parse(text.encode(), np.float64 if dtype.kind == "f" else np.int64).astype(dtype)
             case "BINARY":
                 array = self._from_bytes(text, item)
             case other:
