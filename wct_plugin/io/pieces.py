@@ -1,5 +1,6 @@
 """A mesh in several pieces, as parallel programs write them: ghosts are dropped, shared points become one."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,15 +38,15 @@ def without_ghosts(raw: RawMesh) -> RawMesh:
         needed[block.data[kept].ravel()] = True
     stay = needed | ~ghostly
     number = np.cumsum(stay) - 1
-    return RawMesh(
-        raw.points[stay],
-        [RawBlock(block.type, number[block.data[kept]]) for block, kept in zip(raw.cells, keep, strict=True)],
-        {name: values[stay] for name, values in raw.point_data.items()},
-        {
+    return replace(
+        raw,
+        points=raw.points[stay],
+        cells=[RawBlock(block.type, number[block.data[kept]]) for block, kept in zip(raw.cells, keep, strict=True)],
+        point_data={name: values[stay] for name, values in raw.point_data.items()},
+        cell_data={
             name: [None if values is None else values[kept] for values, kept in zip(columns, keep, strict=True)]
             for name, columns in raw.cell_data.items()
         },
-        field_data=raw.field_data,
         notes=[*raw.notes, f"{dropped} ghost cells dropped"],
     )
 

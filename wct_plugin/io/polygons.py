@@ -1,5 +1,6 @@
 """Quads and polygons of surfaces, split into triangles on the corners they have."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,17 +31,11 @@ def as_triangles(raw: RawMesh) -> RawMesh:
             cells.append(block)
     said = " and ".join(f"{count} {name if count > 1 else name[:-1]}" for name, count in counts.items() if count)
     raw.notes.append(f"{said} split into triangles")
-    return RawMesh(
-        raw.points,
-        cells,
-        raw.point_data,
-        {name: _each(columns, pieces, _repeated) for name, columns in raw.cell_data.items()},
-        raw.point_sets,
-        {name: _each(columns, pieces, _members) for name, columns in raw.cell_sets.items()},
-        raw.field_data,
-        raw.families,
-        raw.periodic,
-        raw.notes,
+    return replace(
+        raw,
+        cells=cells,
+        cell_data={name: _each(columns, pieces, _repeated) for name, columns in raw.cell_data.items()},
+        cell_sets={name: _each(columns, pieces, _members) for name, columns in raw.cell_sets.items()},
     )
 
 
