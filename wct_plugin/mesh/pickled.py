@@ -1,4 +1,4 @@
-"""How frozen meshes are pickled and copied: their fields and nothing derived, their arrays read-only again afterwards."""
+"""How frozen meshes are pickled and copied: their fields and nothing derived; their arrays stay read-only."""
 
 from collections.abc import Mapping
 from dataclasses import fields

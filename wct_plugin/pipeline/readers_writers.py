@@ -13,6 +13,7 @@ from wct_plugin.errors import InputError, OutputError
 from wct_plugin.io import atomic_files, check_groups, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.flow import Flow, side_by_side
 from wct_plugin.pipeline.provenance import environment, options_of, plain
 from wct_plugin.pipeline.stage import Kind, Mesh, O_co, Options, Stage, check_kind
@@ -83,7 +84,7 @@ class FileOptions(Options):
 
 
 class SourceOptions(Options):
-    """A file by name, or from Python a mesh."""
+    """A file by name, or from Python a mesh, of ours or of another library."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
@@ -95,9 +96,11 @@ class SourceOptions(Options):
     @classmethod
     def _name_or_mesh(cls, value: Any) -> Any:
         value = _path(value)
-        if (isinstance(value, str) and value) or isinstance(value, TetMesh | SurfaceMesh):
+        if isinstance(value, str) and value:
             return value
-        raise ValueError("must be the name of a mesh file")
+        if value == "" or isinstance(value, bool | int | float | dict | None):  # as JSON may have it
+            raise ValueError("must be the name of a mesh file")
+        return as_mesh(value)
 
 
 class ReadMesh(Reader[SourceOptions]):
