@@ -20,7 +20,7 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.pipeline.pipeline import mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, find_filter
-from wct_plugin.report.report import Report, make_report
+from wct_plugin.reports.report import Report, make_report
 
 _OPTIMIZER = "meshing_well_centered"
 

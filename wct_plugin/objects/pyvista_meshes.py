@@ -73,7 +73,7 @@ def to_pyvista(mesh: TetMesh | SurfaceMesh) -> pv.UnstructuredGrid | pv.PolyData
     """Make a dataset of a mesh: a grid of tets, then tagged facets, edges and vertices; a surface becomes PolyData.
 
     Every array spans all cells, with zero or NaN where a kind of cell lacks it. What does not go in, such as arrays of
-    words, is named in a :class:`WctWarning`.
+    words, is named in a warning.
     """
     content, lost = contents(mesh, PYVISTA)
     not_carried("pyvista's dataset", lost)

@@ -43,7 +43,7 @@ class _Ends(Filters):
 
 
 class Readers(_Ends):
-    """``wct.Reader(file)`` reads a mesh, ``wct.Reader(mesh)`` takes one that is in memory, of ours or another library."""
+    """``wct.Reader(file)`` reads a mesh, ``wct.Reader(mesh)`` takes one of ours or of another library."""
 
     _family = "readers"
 

@@ -12,7 +12,7 @@ from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import ReadMesh, writer_type
 from wct_plugin.pipeline.stage import check_kind, find_filter
 from wct_plugin.progress import ProgressCallback
-from wct_plugin.report.report import Report, make_report
+from wct_plugin.reports.report import Report, make_report
 
 _OPTIMIZER = "meshing_well_centered"
 _MESHER = "generate_tetrahedralization"

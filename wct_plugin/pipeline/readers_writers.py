@@ -17,7 +17,7 @@ from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.flow import Flow, side_by_side
 from wct_plugin.pipeline.provenance import environment, options_of, plain
 from wct_plugin.pipeline.stage import Kind, Mesh, O_co, Options, Stage, check_kind
-from wct_plugin.report import html_report
+from wct_plugin.reports import html_report
 
 _REPORTS = (".html", ".json")
 

@@ -96,7 +96,7 @@ class FilterStage(Stage[O_co]):
     takes: ClassVar[Kind | None]
     gives: ClassVar[Kind]
     measures: ClassVar[bool] = (
-        False  #: whether its metrics are what :func:`~wct_plugin.report.report.make_report` can reuse
+        False  #: whether its metrics are what :func:`~wct_plugin.reports.report.make_report` can reuse
     )
 
     def __call__(self, mesh: Any = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
