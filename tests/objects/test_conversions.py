@@ -249,9 +249,9 @@ def test_a_surface_has_no_report():
 
 def test_what_a_library_cannot_hold_is_refused():
     for call in (wct.to_trimesh, wct.to_pymeshlab):
-        with pytest.raises(ObjectError, match="holds surfaces, here is a tet mesh; filters.generate_boundary_surface"):
+        with pytest.raises(ObjectError, match=r"holds surfaces, here is a tet mesh; filters.generate_boundary_surface"):
             call(CUBE)
-    with pytest.raises(ObjectError, match="holds tets, here is a surface; filters.generate_tetrahedralization fills"):
+    with pytest.raises(ObjectError, match=r"holds tets, here is a surface; filters.generate_tetrahedralization fills"):
         wct.to_skfem(BALL)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wct_plugin.errors import InputError
 from wct_plugin.io.formats import MESHIO
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -72,7 +73,9 @@ def _facets(mesh: "MeshTet", tets: Ints) -> tuple[Ints, dict[str, Ints], dict[st
     for name, ids in boundaries.items():
         place = np.searchsorted(used, np.asarray(ids, dtype=np.int64))
         sets[str(name)] = np.unique(place)
-        if np.any(getattr(ids, "ori", 0)):
+        if getattr(ids, "ori", None) is not None and (np.any(ids.ori) or (mesh.f2t[1, np.asarray(ids)] >= 0).any()):
+            if len(ids.ori) != len(ids):  # as NumPy's slices of one leave it
+                raise InputError(f"{_WHAT}: boundary {name!r} has {len(ids)} facets and {len(ids.ori)} directions")
             values = np.zeros(len(used), dtype=np.int64)
             values[place] = 1 - 2 * np.asarray(ids.ori)
             oriented[str(name)] = values
