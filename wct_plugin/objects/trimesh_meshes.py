@@ -46,21 +46,14 @@ def to_trimesh(mesh: TetMesh | SurfaceMesh) -> "Trimesh":
     surface = needs_surface(mesh, _WHAT)
     on_points, on_faces = colours.joined(surface.point_data), colours.joined(surface.cell_data)
     on_faces = on_faces if on_points is None else None  # trimesh has colours of one kind; others stay attributes
-    point_data: dict[str, Any]
-    cell_data: dict[str, Any]
     point_data, cell_data = (
         {name: np.array(values) for name, values in data.items() if colour is None or name not in COLOUR}
         for data, colour in ((surface.point_data, on_points), (surface.cell_data, on_faces))
     )
     if surface.tags.any():
         cell_data[_TAGS] = np.array(surface.tags)
-    made: Any = trimesh.Trimesh(
-        np.array(surface.points),
-        np.array(surface.triangles),
-        vertex_attributes=point_data,
-        face_attributes=cell_data,
-        process=False,
-    )
+    attributes: Any = {"vertex_attributes": point_data, "face_attributes": cell_data}
+    made: Any = trimesh.Trimesh(np.array(surface.points), np.array(surface.triangles), process=False, **attributes)
     if on_points is not None:
         made.visual.vertex_colors = on_points
     elif on_faces is not None:
