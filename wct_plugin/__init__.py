@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wct_plugin.batch.run import run_batch
+    from wct_plugin.duals.dual_files import write_dual
     from wct_plugin.errors import (
         InputError,
         InternalError,
@@ -79,6 +80,7 @@ _HOMES = {
     "to_skfem": "wct_plugin.objects.skfem_meshes",
     "to_trimesh": "wct_plugin.objects.trimesh_meshes",
     "write": "wct_plugin.io",
+    "write_dual": "wct_plugin.duals.dual_files",
 }
 
 __all__ = [
@@ -115,6 +117,7 @@ __all__ = [
     "to_skfem",
     "to_trimesh",
     "write",
+    "write_dual",
 ]
 
 

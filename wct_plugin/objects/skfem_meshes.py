@@ -15,8 +15,8 @@ from wct_plugin.io.formats import MESHIO
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.named_groups import names_of, regions_of
 from wct_plugin.objects.assembled import assembled, needs_tets, not_carried
-from wct_plugin.objects.named_regions import names_of, regions_of
 from wct_plugin.types import Ints
 
 if TYPE_CHECKING:

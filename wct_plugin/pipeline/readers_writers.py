@@ -1,4 +1,4 @@
-"""The ends of a pipeline: stages that read a mesh, and stages that write a mesh or its report."""
+"""The ends of a pipeline: stages that read a mesh, and stages that write a mesh, its report or its dual."""
 
 import json
 import os
@@ -9,6 +9,8 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, field_validator
 
+from wct_plugin.duals import dual_files
+from wct_plugin.duals.dual_files import DualFormat
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.io import atomic_files, check_groups, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
@@ -268,9 +270,49 @@ def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]
     return {**reports, "filters": plain(last.metrics), "provenance": provenance(last)}
 
 
+class DualOptions(FileOptions):
+    """Where the dual goes, and in what form."""
+
+    filename: str = Field(min_length=1, description="The file, NAME.vtu or NAME.npz, or the folder to write")
+    format: DualFormat | None = Field(
+        None,
+        description="vtu: polyhedra; openfoam: polyMesh in a folder; npz, matrix-market: Hodge stars and derivatives"
+        " (none: as the suffix says, a folder is openfoam)",
+    )
+
+
+class WriteDual(Writer[DualOptions]):
+    """Write the circumcentric dual of a tet mesh, as Voronoi cells or as Hodge stars, and hand the mesh on.
+
+    Voronoi cells: NAME.vtu, or constant/polyMesh in a folder, which is OpenFOAM's. Hodge stars and exterior
+    derivatives: NAME.npz, or Matrix Market files in a folder.
+    """
+
+    name = "dual"
+    declaration = DualOptions
+
+    @property
+    def filename(self) -> str:  # noqa: D102
+        return self.options.filename
+
+    def validate(self) -> None:  # noqa: D102
+        form = dual_files.format_of(self.filename, self.options.format)
+        dual_files.check_dual_writable(self.filename, form)
+
+    def check_takes(self, kind: Kind) -> None:  # noqa: D102
+        check_kind(self.type(), TetMesh, kind)
+
+    def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
+        return flow
+
+    def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
+        (flow,) = flows.values()
+        dual_files.write_dual(self.filename, flow.mesh, format=self.options.format)
+
+
 #: Every reader and writer by type.
 ENDS: Mapping[str, type[Reader[Options]] | type[Writer[Options]]] = {
-    end.type(): end for end in (ReadMesh, WriteMesh, WriteReport)
+    end.type(): end for end in (ReadMesh, WriteMesh, WriteReport, WriteDual)
 }
 
 

@@ -1,4 +1,4 @@
-"""Regions by number and groups by name: one made of the other, for libraries that have only names."""
+"""Regions by number and groups by name: one made of the other, for what knows only names."""
 
 from collections.abc import Mapping
 
