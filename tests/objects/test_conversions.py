@@ -255,8 +255,9 @@ def test_what_a_library_cannot_hold_is_refused():
         wct.to_skfem(BALL)
 
 
-def test_arrays_can_be_handed_to_meshers():
+def test_arrays_can_be_handed_to_meshers(tmp_path, monkeypatch):
     """pytetwild takes none that is read-only."""
+    monkeypatch.chdir(tmp_path)  # it leaves a file
     ball = sphere_surface(40)
     points, triangles, _ = wct.to_arrays(ball)
     made = wct.as_mesh(pytetwild.tetrahedralize(points, triangles, edge_length_fac=0.5, quiet=True))
