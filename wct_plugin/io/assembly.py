@@ -239,7 +239,7 @@ def _names(found: dict[str, Any], form: formats.Format) -> dict[str, tuple[int, 
     names = {}
     for name, value in found.items():
         pair = np.asarray(value).ravel()
-        if pair.size == 2 and (form.name == "gmsh" or name.startswith(NAME)):
+        if pair.size == 2 and (form.name in ("gmsh", "meshio") or name.startswith(NAME)):
             names[name.removeprefix(NAME)] = (int(pair[0]), int(pair[1]))
     return names
 

@@ -58,6 +58,8 @@ FORMATS = (
 
 #: What a dataset of pyvista can carry; it is no file.
 PYVISTA = Format("pyvista", (), "", _ALL, _ALL, point_data=True, cell_data=True, names=True)
+#: What a ``meshio.Mesh`` can carry; it is no file either.
+MESHIO = Format("meshio", (), "", _ALL, _ALL, point_data=True, cell_data=True, sets=True, names=True)
 
 _BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}
 

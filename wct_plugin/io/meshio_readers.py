@@ -29,7 +29,7 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
         with overheard() as said, warnings.catch_warnings(), np.errstate(over="ignore"):
             # NumPy only deprecates reading past what is no number.
             warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
-            raw = _raw((meshio_gmsh if form.name == "gmsh" else meshio_module(form.module)).read(source))
+            raw = raw_mesh((meshio_gmsh if form.name == "gmsh" else meshio_module(form.module)).read(source))
         for warning in said:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)
@@ -39,8 +39,8 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
     return raw, said
 
 
-def _raw(mesh: Any) -> RawMesh:
-    """Meshio's mesh in our form."""
+def raw_mesh(mesh: Any) -> RawMesh:
+    """A ``meshio.Mesh`` in our form."""
     return RawMesh(
         mesh.points,
         [RawBlock(block.type, block.data) for block in mesh.cells],
