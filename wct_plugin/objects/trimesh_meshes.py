@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wct_plugin.adapters.meshlab.carry import COLOUR
-from wct_plugin.io.assembly import with_tags
+from wct_plugin.io import formats
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects import colours
-from wct_plugin.objects.assembled import needs_surface, not_read
+from wct_plugin.objects.assembled import assembled, needs_surface, not_read
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -36,7 +37,15 @@ def from_trimesh(mesh: "Trimesh") -> SurfaceMesh:
     elif visual.kind:
         lost.append(str(visual.kind))
     not_read(_WHAT, lost)
-    return with_tags(SurfaceMesh(mesh.vertices, mesh.faces, None, point_data, cell_data))  # type: ignore[arg-type]
+    raw = RawMesh(
+        np.asarray(mesh.vertices),
+        [RawBlock("triangle", np.asarray(mesh.faces))],
+        point_data,
+        {name: [values] for name, values in cell_data.items()},
+    )
+    surface = assembled(raw, formats.MESHIO, _WHAT)
+    assert isinstance(surface, SurfaceMesh)  # it has triangles alone
+    return surface
 
 
 def to_trimesh(mesh: TetMesh | SurfaceMesh) -> "Trimesh":
