@@ -24,10 +24,8 @@ def bone() -> Path:
 def main(target: str = "bone.vtu") -> tuple[float, float]:
     """Give the percentage of tets that contain their circumcenter, before and after."""
     surface = wct.read(bone())
-    # Our arrays are read-only, and pytetwild takes none of those.
-    points, tets = pytetwild.tetrahedralize(
-        surface.points.copy(), surface.triangles.copy(), edge_length_fac=0.05, quiet=True
-    )
+    points, triangles, _ = wct.to_arrays(surface)  # copies: our own arrays are read-only, and it takes none of those
+    points, tets = pytetwild.tetrahedralize(points, triangles, edge_length_fac=0.05, quiet=True)
 
     mesh = wct.TetMesh(points, tets)  # fTetWild's negative orientation is turned round here
     better, _ = wct.apply_filter("meshing_well_centered", mesh, goal="3wc", reference=surface)

@@ -7,7 +7,7 @@ from pydantic import Field
 from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.report import make_report
 from wct_plugin.types import Metrics
 
 

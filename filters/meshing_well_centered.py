@@ -55,6 +55,7 @@ from wct_plugin.meshing.surface_edges import Lengths, longest_edges
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.transfer import carry, resampled
 from wct_plugin.meshing.work_limit import WorkLimit
+from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
@@ -147,7 +148,10 @@ class MeshingOptions(Options):
     def _surface_or_name(cls, value: Any) -> Any:
         if value is None or isinstance(value, str | SurfaceMesh):
             return value
-        raise ValueError("must be a SurfaceMesh or the name of a surface file")
+        surface = None if isinstance(value, bool | int | float | dict) else as_mesh(value)
+        if isinstance(surface, SurfaceMesh):
+            return surface
+        raise ValueError("must be a surface or the name of a surface file")
 
     @model_validator(mode="after")
     def _cheapest(self) -> Self:

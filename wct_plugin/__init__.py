@@ -4,6 +4,7 @@
 >>> mesh = wct.read("part.msh")  # doctest: +SKIP
 >>> mesh, metrics = wct.apply_filter("meshing_well_centered", mesh)  # doctest: +SKIP
 >>> wct.write("part.vtu", mesh)  # doctest: +SKIP
+>>> grid = wct.optimize(grid)  # of meshio, pyvista, skfem, ...: the same comes back  # doctest: +SKIP
 >>> chain = wct.Reader("bone.ply") | wct.Filter.generate_tetrahedralization() | wct.Filter.meshing_well_centered()
 >>> result = (chain | wct.Writer("bone.vtu") | wct.Writer("bone.html")).execute()  # doctest: +SKIP
 
@@ -15,10 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wct_plugin.batch.run import run_batch
+    from wct_plugin.duals.dual_files import write_dual
     from wct_plugin.errors import (
         InputError,
         InternalError,
         NeighbourError,
+        ObjectError,
         OptionError,
         OutputError,
         WctError,
@@ -26,7 +29,17 @@ if TYPE_CHECKING:
     )
     from wct_plugin.io import read, write
     from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+    from wct_plugin.objects.arrays_meshes import to_arrays
+    from wct_plugin.objects.conversions import as_mesh
+    from wct_plugin.objects.dolfinx_meshes import from_dolfinx
+    from wct_plugin.objects.gmsh_meshes import from_gmsh, to_gmsh
+    from wct_plugin.objects.meshio_meshes import to_meshio
+    from wct_plugin.objects.pymeshlab_meshes import to_pymeshlab
+    from wct_plugin.objects.pyvista_meshes import to_pyvista
+    from wct_plugin.objects.skfem_meshes import to_skfem
+    from wct_plugin.objects.trimesh_meshes import to_trimesh
     from wct_plugin.pipeline.constructors import Filter, Reader, Writer
+    from wct_plugin.pipeline.one_line import optimize, report
     from wct_plugin.pipeline.pipeline import Pipeline
     from wct_plugin.pipeline.result import Result
     from wct_plugin.pipeline.stage import apply_filter
@@ -39,6 +52,7 @@ _HOMES = {
     "InputError": "wct_plugin.errors",
     "InternalError": "wct_plugin.errors",
     "NeighbourError": "wct_plugin.errors",
+    "ObjectError": "wct_plugin.errors",
     "OptionError": "wct_plugin.errors",
     "OutputError": "wct_plugin.errors",
     "Pipeline": "wct_plugin.pipeline.pipeline",
@@ -51,9 +65,22 @@ _HOMES = {
     "WctWarning": "wct_plugin.errors",
     "Writer": "wct_plugin.pipeline.constructors",
     "apply_filter": "wct_plugin.pipeline.stage",
+    "as_mesh": "wct_plugin.objects.conversions",
+    "from_dolfinx": "wct_plugin.objects.dolfinx_meshes",
+    "from_gmsh": "wct_plugin.objects.gmsh_meshes",
+    "optimize": "wct_plugin.pipeline.one_line",
     "read": "wct_plugin.io",
+    "report": "wct_plugin.pipeline.one_line",
     "run_batch": "wct_plugin.batch.run",
+    "to_arrays": "wct_plugin.objects.arrays_meshes",
+    "to_gmsh": "wct_plugin.objects.gmsh_meshes",
+    "to_meshio": "wct_plugin.objects.meshio_meshes",
+    "to_pymeshlab": "wct_plugin.objects.pymeshlab_meshes",
+    "to_pyvista": "wct_plugin.objects.pyvista_meshes",
+    "to_skfem": "wct_plugin.objects.skfem_meshes",
+    "to_trimesh": "wct_plugin.objects.trimesh_meshes",
     "write": "wct_plugin.io",
+    "write_dual": "wct_plugin.duals.dual_files",
 }
 
 __all__ = [
@@ -62,6 +89,7 @@ __all__ = [
     "InputError",
     "InternalError",
     "NeighbourError",
+    "ObjectError",
     "OptionError",
     "OutputError",
     "Pipeline",
@@ -74,9 +102,22 @@ __all__ = [
     "WctWarning",
     "Writer",
     "apply_filter",
+    "as_mesh",
+    "from_dolfinx",
+    "from_gmsh",
+    "optimize",
     "read",
+    "report",
     "run_batch",
+    "to_arrays",
+    "to_gmsh",
+    "to_meshio",
+    "to_pymeshlab",
+    "to_pyvista",
+    "to_skfem",
+    "to_trimesh",
     "write",
+    "write_dual",
 ]
 
 

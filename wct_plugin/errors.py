@@ -13,6 +13,10 @@ class NoMeshError(InputError):
     """Arrays that make no mesh: an index out of range, a flat tet, three tets at a facet."""
 
 
+class ObjectError(InputError, TypeError):
+    """An object that no mesh can be made of, or a mesh that cannot be made such an object; it names what can."""
+
+
 class OptionError(WctError):
     """An unknown stage or option, a value out of range, or stages that do not fit together."""
 

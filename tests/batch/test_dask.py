@@ -54,7 +54,7 @@ def test_what_breaks_a_job_is_its_own_cause_not_the_workers_end(cluster, tmp_pat
     before = [nanny.process.pid for nanny in cluster.workers.values()]
     done = wct.run_batch(QUALITY, [tmp_path / "*.vtu"], tmp_path / "out", scheduler=cluster.scheduler_address)
     assert [(Path(one.input).name, one.exit_code) for one in done.records] == [("good.vtu", 0), ("bad.vtu", 2)]
-    assert done.failed[0].cause == "cannot be read as VTU: malformed or truncated"
+    assert done.failed[0].cause == "cannot be read as VTU: is no XML, or truncated (syntax error: line 1, column 0)"
     assert [nanny.process.pid for nanny in cluster.workers.values()] == before
 
 

@@ -19,8 +19,8 @@ from wct_plugin.creation import bundled_meshes
 from wct_plugin.errors import InputError
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
-from wct_plugin.report.html_report import html
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.html_report import html
+from wct_plugin.reports.report import make_report
 
 
 def _joined(*meshes):

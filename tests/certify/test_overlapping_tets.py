@@ -16,7 +16,7 @@ from wct_plugin.errors import WctWarning
 from wct_plugin.measure.duals import tiers
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import FACETS
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.report import make_report
 
 #: Thin, with facets that are far from well-centered: what a generous tolerance made of it went through itself.
 THIN = Path(__file__).parents[1] / "data" / "thin_sheet.vtu"

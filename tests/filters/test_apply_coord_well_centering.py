@@ -12,7 +12,7 @@ from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import Cells, SurfaceMesh
 from wct_plugin.mesh.strata import find_strata
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.report import make_report
 
 
 def count(mesh, flag):

@@ -267,7 +267,7 @@ def test_the_reference_may_be_a_file(tmp_path):
         ({"boundary": "slide"}, "option 'boundary' is 'slide'"),
         ({"edge_length": 0}, "option 'edge_length' is 0; input should be greater than 0"),
         ({"effort": 0}, "option 'effort' is 0"),
-        ({"reference": 3}, "option 'reference' is 3; must be a SurfaceMesh or the name of a surface file"),
+        ({"reference": 3}, "option 'reference' is 3; must be a surface or the name of a surface file"),
     ],
 )
 def test_bad_options_are_refused(options, message):

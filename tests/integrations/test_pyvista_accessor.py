@@ -17,9 +17,9 @@ from support.comparing import assert_same
 
 import wct_plugin as wct
 from wct_plugin.errors import InputError, OptionError, WctWarning
-from wct_plugin.integrations.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.report.report import make_report
+from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
+from wct_plugin.reports.report import make_report
 
 
 def volumes(grid: pv.UnstructuredGrid) -> np.ndarray:

@@ -98,11 +98,17 @@ def _table(forms: list[Format], plain: Any, things: Callable[[Any], Any], folder
 
 
 def test_the_table_of_tetrahedral_meshes(plain: TetMesh, tmp_path: Path) -> None:
-    table = _table([form for form in FORMATS if form.volume], plain, _tets, tmp_path)
+    table = _table([form for form in FORMATS if form.volume and form.writes], plain, _tets, tmp_path)
     assert table in DOCS.read_text(encoding="utf-8")
+
+
+def test_the_table_of_formats_that_are_only_read() -> None:
+    said = DOCS.read_text(encoding="utf-8").partition("## Formats that are only read")[2].partition("\n## ")[0]
+    rows = re.findall(r"^\| ([^|]*\)) \|", said, re.MULTILINE)
+    assert rows == [f"{form.name} ({' '.join(form.suffixes)})" for form in FORMATS if not form.writes]
 
 
 def test_the_table_of_surfaces(plain: TetMesh, tmp_path: Path) -> None:
     skin = plain.boundary_surface()
-    table = _table([form for form in FORMATS if form.surface], skin, _triangles, tmp_path)
+    table = _table([form for form in FORMATS if form.surface and form.writes], skin, _triangles, tmp_path)
     assert table in DOCS.read_text(encoding="utf-8")

@@ -18,8 +18,8 @@ from wct_plugin.io import read, write
 from wct_plugin.io.formats import FORMATS
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
-VOLUMES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.volume]
-SURFACES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.surface]
+VOLUMES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.volume and form.writes]
+SURFACES = [(form, suffix) for form in FORMATS for suffix in form.suffixes if form.surface and form.writes]
 A_NAME = "a name <&\"é'"
 
 
@@ -129,7 +129,7 @@ def test_companion_files_lie_beside(suffix: str, plain: TetMesh, tmp_path: Path)
     others = [needed] if suffix == ".xdmf" else [needed, ".face"]
     assert sorted(os.listdir(tmp_path)) == sorted(f"part.1{one}" for one in (suffix, *others))
     (tmp_path / f"part.1{needed}").unlink()
-    with pytest.raises(InputError, match=rf"part\.1\{suffix}: cannot be read as .*No such file"):
+    with pytest.raises(InputError, match=rf"part\.1\{suffix}: cannot be read as .*[Nn]o such file"):
         read(tmp_path / f"part.1{suffix}")
 
 

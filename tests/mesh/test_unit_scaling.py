@@ -13,7 +13,7 @@ from wct_plugin.errors import InputError
 from wct_plugin.measure import duals, quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import SurfaceMesh, unit_scaling
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.report import make_report
 
 EXPONENTS = [-298, -20, 297]
 SPHERE = sphere_surface(500)

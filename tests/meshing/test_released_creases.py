@@ -8,7 +8,7 @@ from wct_plugin import apply_filter
 from wct_plugin.measure.released_creases import describe
 from wct_plugin.meshing.reference import own_boundary
 from wct_plugin.meshing.released_creases import measure_released, without
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.report import make_report
 
 
 def test_length_by_the_diagonal():

@@ -43,7 +43,7 @@ def test_a_signature_in_full():
 def test_they_are_listed():
     assert dir(wct.Filter) == filter_names()
     assert dir(wct.Reader) == ["mesh"]
-    assert dir(wct.Writer) == ["mesh", "report"]
+    assert dir(wct.Writer) == ["dual", "mesh", "report"]
 
 
 def test_names_that_are_none():

@@ -28,6 +28,7 @@ from typing import Any
 from wct_plugin.batch import process_sessions
 from wct_plugin.batch.job import Job, perform
 from wct_plugin.errors import WctError
+from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.pipeline.provenance import versions
 from wct_plugin.pipeline.stage import filter_names, find_filter
 
@@ -194,9 +195,9 @@ class Server:
 
 def preload() -> None:
     """Import what jobs need: every filter, and meshio with its formats. No thread may be started here."""
-    import meshio  # noqa: F401
     import scipy.spatial  # noqa: F401
 
+    meshio_module()
     for name in filter_names():
         with contextlib.suppress(WctError):  # a job that needs a broken one says so
             find_filter(name)

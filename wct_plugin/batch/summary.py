@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wct_plugin.batch.job import Record
-from wct_plugin.report import html_elements
+from wct_plugin.reports import html_elements
 
 #: Columns of the table; sizes and quality are before → after.
 HEAD = ("file", "result", "tets", "3WC %", "CWC %", "min h/R", "seconds")

@@ -38,6 +38,11 @@ COMMANDS = {
         "Write small samples into DIR, by default the current folder, and make the tets of one well-centered.",
         "wct demo samples",
     ),
+    "dual": Listed(
+        "dual:dual",
+        "Write the circumcentric dual of the tet mesh IN: Voronoi cells, or the matrices of exterior calculus.",
+        "wct dual bone.vtu cells.vtu",
+    ),
     "filters": Listed(
         "filters:filters",
         "List the filters, or print one filter's page: what it does, its options, their ranges and defaults.",

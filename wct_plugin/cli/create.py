@@ -11,7 +11,7 @@ from wct_plugin.cli.messages import GOAL_MET, out
 from wct_plugin.cli.output import print_metrics, table
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.errors import OptionError, WctError
-from wct_plugin.pipeline.graph import Step, unplaced
+from wct_plugin.pipeline.graph import Step, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import WriteMesh
 from wct_plugin.pipeline.stage import FilterStage, Options, did_you_mean, filter_names, find_filter
@@ -50,12 +50,8 @@ def _command(name: str, stage: type[FilterStage[Options]]) -> click.Command:
     def run(target: str, **values: Any) -> int:
         writer = WriteMesh(filename=target, **filter_options.given_msh(values))
         chain = Pipeline([Step(stage(**filter_options.given(values, stage.name))), Step(writer)])
-        try:
-            with progress_bar() as progress:
-                result = chain.execute(progress)
-        except WctError as error:
-            error.args = (unplaced(str(error)), *error.args[1:])
-            raise
+        with unplaced_errors(), progress_bar() as progress:
+            result = chain.execute(progress)
         print_metrics(f"{stage.type()} -> {target}", result.stages[0].metrics)
         return GOAL_MET
 

@@ -1,8 +1,7 @@
 """``wct optimize``: one mesh or surface in, a well-centered mesh out."""
 
 import json
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +13,12 @@ from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import print_before_after, write_text
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
-from wct_plugin.errors import OptionError, WctError
+from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import side_by_side
-from wct_plugin.pipeline.graph import Step, unplaced
+from wct_plugin.pipeline.graph import Step, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
 from wct_plugin.pipeline.stage import FilterStage, Mesh, Options, find_filter
@@ -92,11 +91,11 @@ def optimize(
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
         chain = _optimizing(source, filters, writers)
-        with _unplaced():
+        with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))
         return GOAL_MET
-    with _unplaced(), progress_bar() as progress:
+    with unplaced_errors(), progress_bar() as progress:
         result = _optimizing(mesh, filters, writers).execute(limit.beside(progress))
     optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
     flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
@@ -109,16 +108,6 @@ def optimize(
         if not goal.met:
             console.print(Text(f"missed: {goal}"))
     return limit.exit_code(result, console)
-
-
-@contextmanager
-def _unplaced() -> Iterator[None]:
-    """Take the number of the stage from errors: who runs one filter never numbered any."""
-    try:
-        yield
-    except WctError as error:
-        error.args = (unplaced(str(error)), *error.args[1:])
-        raise
 
 
 def _optimizing(

@@ -16,8 +16,8 @@ from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.result import Result
 from wct_plugin.pipeline.stage import FilterStage, Options
-from wct_plugin.report.report import Report, short_names
-from wct_plugin.report.text_histograms import text_histograms
+from wct_plugin.reports.report import Report, short_names
+from wct_plugin.reports.text_histograms import text_histograms
 
 # --- files ----------------------------------------------------------------------------------------------------------
 

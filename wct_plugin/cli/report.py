@@ -13,8 +13,8 @@ from wct_plugin.cli.output import check_outputs, print_report, print_side_by_sid
 from wct_plugin.io import read
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.stage import find_filter
-from wct_plugin.report import html_report, json_schema
-from wct_plugin.report.report import Report, make_report
+from wct_plugin.reports import html_report, json_schema
+from wct_plugin.reports.report import Report, make_report
 
 
 def _read(source: str, reference: SurfaceMesh | None) -> TetMesh:

@@ -15,12 +15,12 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from wct_plugin.errors import OptionError
-from wct_plugin.integrations.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
+from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.pipeline.pipeline import mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, find_filter
-from wct_plugin.report.report import Report, make_report
+from wct_plugin.reports.report import Report, make_report
 
 _OPTIMIZER = "meshing_well_centered"
 
@@ -56,12 +56,6 @@ def _whole(mesh: TetMesh, regions: str) -> NDArray[np.int64]:
     return values.astype(np.int64)
 
 
-def _stage(name: str, options: dict[str, Any]) -> FilterStage[Any]:
-    if isinstance(options.get("reference"), pv.DataSet):
-        options = {**options, "reference": from_pyvista(options["reference"])}
-    return find_filter(name)(**options)
-
-
 @pv.register_dataset_accessor("wct", pv.UnstructuredGrid)
 class GridAccessor:
     """``grid.wct``: makes a tetrahedral grid well-centered, says and shows how well-centered it is."""
@@ -82,7 +76,7 @@ class GridAccessor:
         **options
             Those of ``filters.meshing_well_centered``: goal, boundary, tolerance, ...; ``reference`` may be a PolyData.
         """
-        return _optimized([_stage(_OPTIMIZER, options)], self._grid, regions)
+        return _optimized([find_filter(_OPTIMIZER)(**options)], self._grid, regions)
 
     def report(self, *, worst: int = 10) -> Report:
         """Measure: ranges of h/R and of angles, tiers, flags, histograms and the ``worst`` tets; ``to_dict()`` it."""
@@ -159,6 +153,6 @@ class SurfaceAccessor:
         **options
             Those of ``filters.meshing_well_centered``.
         """
-        optimizer = _stage(_OPTIMIZER, options)
+        optimizer = find_filter(_OPTIMIZER)(**options)
         mesher = mesher_within_tolerance(find_filter("generate_tetrahedralization")(), optimizer)
         return _optimized([mesher, optimizer], self._surface)

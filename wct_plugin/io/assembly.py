@@ -1,6 +1,6 @@
 """What a file holds, kind of cell by kind of cell, becomes a :class:`TetMesh` or a :class:`SurfaceMesh`."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import unquote
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io import formats
 from wct_plugin.io.periodic_sides import is_periodic
+from wct_plugin.io.polygons import as_triangles
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 
@@ -49,6 +50,7 @@ def to_mesh(
 
     Raises :class:`InputError` for cells of other kinds, and where there is neither tet nor triangle.
     """
+    raw = as_triangles(raw)
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
     if not len(kinds[main].cells):
@@ -117,9 +119,8 @@ def _kinds(raw: RawMesh) -> dict[str, _Kind]:
             continue
         made = _Kind(np.concatenate([np.asarray(raw.cells[k].data) for k in blocks]).astype(np.int64))
         for name, values in raw.cell_data.items():
-            parts = [part for k in blocks if (part := values[k]) is not None]
-            if name not in _PRIVATE and len(parts) == len(blocks):
-                made.data[str(name)] = _native(np.concatenate(parts))
+            if name not in _PRIVATE and any(values[k] is not None for k in blocks):
+                made.data[str(name)] = _native(_joined([(values[k], len(raw.cells[k])) for k in blocks]))
         starts = np.cumsum([0, *(len(raw.cells[k]) for k in blocks)])
         for name, members in raw.cell_sets.items():
             if name not in _PRIVATE:
@@ -132,6 +133,16 @@ def _kinds(raw: RawMesh) -> dict[str, _Kind]:
             made.sets[group] = np.flatnonzero(np.isin(made.data["cell_tags"], tags))
         kinds[kind] = made
     return kinds
+
+
+def _joined(parts: list[tuple[NDArray[Any] | None, int]]) -> NDArray[Any]:
+    """One column of those of several blocks; of a block that has none, zero or NaN."""
+    known = [np.asarray(part) for part, _ in parts if part is not None]
+    dtype = np.result_type(*known)
+    fill: Any = np.nan if dtype.kind == "f" else np.zeros(1, dtype)[0]
+    return np.concatenate(
+        [np.full((count, *known[0].shape[1:]), fill, dtype) if part is None else part for part, count in parts]
+    )
 
 
 def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
@@ -228,7 +239,7 @@ def _names(found: dict[str, Any], form: formats.Format) -> dict[str, tuple[int, 
     names = {}
     for name, value in found.items():
         pair = np.asarray(value).ravel()
-        if pair.size == 2 and (form.name == "gmsh" or name.startswith(NAME)):
+        if pair.size == 2 and (form.name in ("gmsh", "meshio") or name.startswith(NAME)):
             names[name.removeprefix(NAME)] = (int(pair[0]), int(pair[1]))
     return names
 
@@ -247,10 +258,3 @@ def _whole(values: NDArray[Any]) -> NDArray[Any]:
     if values.dtype.kind == "f" and np.isfinite(values).all() and (values == np.rint(values)).all():
         return values.astype(np.int64)
     return values
-
-
-def with_tags(surface: SurfaceMesh) -> SurfaceMesh:
-    """The surface with its conventional array of tags, if any, as its tags."""
-    kinds = {"triangle": _Kind(surface.triangles, dict(surface.cell_data))}
-    _take_tags(kinds, TAGS)
-    return replace(surface, tags=kinds["triangle"].tags, cell_data=kinds["triangle"].data)  # type: ignore[arg-type]

@@ -107,21 +107,84 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise _unwritable(path, error) from error
 
 
+def check_fillable(folder: str | Path) -> None:
+    """Find out, before any work is done, whether files can be created in a folder that may be there or not.
+
+    Raises :class:`OutputError` if it, or the nearest of those around it that is there, takes no new file.
+    """
+    _, there = _missing(Path(folder))
+    if not there.is_dir():
+        raise OutputError(f"{folder}: {there} is a file; a folder is needed")
+    try:
+        with tempfile.NamedTemporaryFile(dir=there, prefix=".wct."):
+            pass
+    except OSError as error:
+        raise _unwritable(folder, error) from error
+
+
+@contextmanager
+def filling(folder: str | Path) -> Iterator[Path]:
+    """Let the body write files into a temporary folder, and give them their names in ``folder`` if it succeeds.
+
+    ``folder`` is made, with those around it. What else is in it stays. Whatever is raised, nothing temporary stays, and
+    files that were there are as they were.
+
+    Yields
+    ------
+    Path
+        The folder to write into.
+
+    Raises
+    ------
+    OutputError
+        For an :class:`OSError` of the body or of the renaming, naming folder and reason.
+    """
+    target = Path(folder)
+    missing, there = _missing(target)
+    try:
+        work = Path(tempfile.mkdtemp(dir=there, prefix=".wct."))
+        try:
+            yield work
+            target.mkdir(parents=True, exist_ok=True)
+            _name([(made, target / made.name, target / made.name) for made in sorted(work.iterdir())])
+        except BaseException:
+            for made in reversed(missing):  # the outermost comes first
+                if made.is_dir() and not any(made.iterdir()):
+                    made.rmdir()
+            raise
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
+    except OSError as error:
+        raise _unwritable(folder, error) from error
+
+
+def _missing(folder: Path) -> tuple[list[Path], Path]:
+    """Which of the folders down to this one are not there, and the one around them that is."""
+    chain = [folder, *folder.parents]
+    there = next(one for one in chain if one.exists())
+    return chain[: chain.index(there)][::-1], there
+
+
 def _move(work: Path, target: Path, path: Path) -> None:
     """Give the files in ``work`` their names beside ``target``, which the caller knows as ``path``."""
     made = sorted(work.iterdir(), key=lambda file: file.name == target.name)
     if not made or made[-1].name != target.name:
         raise FileNotFoundError(0, "nothing was written")
-    for file in made:
-        if (target.parent / file.name).is_dir():
+    finals = [(file, target.parent / file.name) for file in made]
+    _name([(file, final, path if final == target else final) for file, final in finals])
+
+
+def _name(made: list[tuple[Path, Path, Path]]) -> None:
+    """Give files their names, if all can have them: where each is, the name it gets, and what the caller calls that."""
+    for file, final, _ in made:
+        if final.is_dir():
             raise IsADirectoryError(0, f"there is a directory named {file.name}")
         with file.open("rb") as handle:
             os.fsync(handle.fileno())  # some file systems report a full disk only now
     notes = _NOTES.get()
-    for file in made:
-        final = target.parent / file.name
+    for file, final, known in made:
         if notes is not None:
-            notes.note(path if final == target else final, file)
+            notes.note(known, file)
         file.replace(final)
 
 

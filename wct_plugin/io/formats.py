@@ -25,6 +25,8 @@ class Format:
     sets: bool = False  #: named sets of its own
     names: bool = False  #: physical names
     surface: bool = True  #: whether triangles alone make a file
+    reader: str = ""  #: our own module that reads it; empty where meshio's does
+    writes: bool = True  #: whether we write it
 
     @property
     def volume(self) -> bool:
@@ -33,24 +35,31 @@ class Format:
 
 
 FORMATS = (
-    Format("VTU", (".vtu",), "vtu", _ALL, _ALL, point_data=True, cell_data=True, names=True),
-    Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True),
-    Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True),
+    Format("VTU", (".vtu",), "vtu", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="vtu"),
+    Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True, reader="vtk_legacy"),
+    Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf"),
     Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True),
-    Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True),
+    Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True, reader="med"),
     Format("Medit", (".mesh", ".meshb"), "medit", _ALL[:3], _ALL[:3]),
     Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3]),
     Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True),
     Format("SU2", (".su2",), "su2", _ALL[:2], _ALL[1:2], surface=False),
     Format("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2], surface=False),
-    Format("PLY", (".ply",), "", _ALL[1:2], _ALL[1:2], point_data=True, cell_data=True),
+    Format("PLY", (".ply",), "", _ALL[1:2], _ALL[1:2], point_data=True, cell_data=True, reader="ply"),
     Format("STL", (".stl",), "stl", _ALL[1:2]),
-    Format("OBJ", (".obj",), "", _ALL[1:2]),
-    Format("OFF", (".off",), "", _ALL[1:2]),
+    Format("OBJ", (".obj",), "", _ALL[1:2], reader="obj"),
+    Format("OFF", (".off",), "", _ALL[1:2], reader="off"),
+    Format("PVTU", (".pvtu",), "", _ALL, reader="pvtu", writes=False),
+    Format("VTP", (".vtp",), "", _ALL[1:2], reader="vtu", writes=False),
+    Format("UNV", (".unv",), "", _ALL, reader="unv", writes=False),
+    Format("XML", (".xml",), "", _ALL[:2], reader="xml_mesh", writes=False),
+    Format("Exodus", (".e", ".exo", ".ex2"), "", _ALL, reader="exodus", writes=False),
 )
 
 #: What a dataset of pyvista can carry; it is no file.
 PYVISTA = Format("pyvista", (), "", _ALL, _ALL, point_data=True, cell_data=True, names=True)
+#: What a ``meshio.Mesh`` can carry; it is no file either.
+MESHIO = Format("meshio", (), "", _ALL, _ALL, point_data=True, cell_data=True, sets=True, names=True)
 
 _BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}
 
@@ -62,8 +71,12 @@ def to_read(path: Path) -> Format:
 
 def to_write(path: Path, *, volume: bool) -> Format:
     """The format of a file to write; :class:`OutputError` lists the suffixes that can carry the mesh."""
-    able = {suffix: form for suffix, form in _BY_SUFFIX.items() if (form.volume if volume else form.surface)}
+    able = {
+        suffix: form for suffix, form in _BY_SUFFIX.items() if form.writes and (form.volume if volume else form.surface)
+    }
     form = _find(path, OutputError, able if path.suffix.lower() not in _BY_SUFFIX else _BY_SUFFIX)
+    if not form.writes:
+        raise OutputError(f"{path}: {form.name} is read, not written; allowed are {' '.join(able)}")
     if form not in able.values():
         what = "a tetrahedral mesh" if volume else "a surface"
         raise OutputError(f"{path}: {form.name} cannot carry {what}; allowed are {' '.join(able)}")

@@ -1,7 +1,6 @@
 """The readers of meshio, kept quiet and guarded against what they loop on or do not see."""
 
 import contextlib
-import importlib
 import io
 import re
 import warnings
@@ -12,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import tetgen_face_file
+from wct_plugin.io import meshio_gmsh, tetgen_face_file
 from wct_plugin.io.formats import Format
-from wct_plugin.io.meshio_fixes import mend
+from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: What meshio only warns of although part of the file is missing then.
@@ -25,13 +24,12 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
     """What the file holds, and what meshio says it has left out. Whatever goes wrong is an InputError."""
     with refusing(form):
         _check_ends(file, form)
-        mend(form)
         source: Any = _bulk_data(file) if form.name == "Nastran" else str(file)
         # The overflow is that of STL's count of triangles, which in a text file is no count.
         with overheard() as said, warnings.catch_warnings(), np.errstate(over="ignore"):
             # NumPy only deprecates reading past what is no number.
             warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
-            raw = _raw(importlib.import_module(f"meshio.{form.module}").read(source))
+            raw = raw_mesh((meshio_gmsh if form.name == "gmsh" else meshio_module(form.module)).read(source))
         for warning in said:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)
@@ -41,8 +39,8 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
     return raw, said
 
 
-def _raw(mesh: Any) -> RawMesh:
-    """Meshio's mesh in our form."""
+def raw_mesh(mesh: Any) -> RawMesh:
+    """A ``meshio.Mesh`` in our form."""
     return RawMesh(
         mesh.points,
         [RawBlock(block.type, block.data) for block in mesh.cells],
@@ -112,12 +110,10 @@ def _bulk_data(file: Path) -> io.StringIO:
 
 
 def _check_count(raw: RawMesh, file: Path, form: Format) -> None:
-    """Meshio stops at the end of an SU2 file whatever was announced, and of the pieces of a VTU keeps the last."""
-    announced = {"SU2": rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", "VTU": rb"NumberOfCells\s*=\s*[\"']\s*(\d+)"}
-    if form.name not in announced:
+    """Meshio stops at the end of an SU2 file whatever was announced."""
+    if form.name != "SU2":
         return
-    counts = [int(count) for count in re.findall(announced[form.name], file.read_bytes())]
+    announced = sum(int(count) for count in re.findall(rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", file.read_bytes()))
     read = sum(len(block) for block in raw.cells)
-    if sum(counts) != read:
-        pieces = f" in {len(counts)} pieces; allowed is one piece" if len(counts) > 1 and form.name == "VTU" else ""
-        raise InputError(f"has {read} cells but announces {sum(counts)}{pieces}")
+    if announced != read:
+        raise InputError(f"has {read} cells but announces {announced}")

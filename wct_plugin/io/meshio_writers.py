@@ -1,7 +1,7 @@
 """The writers: meshio's where they do, our own where it fails or cannot; called by :mod:`.writer` alone."""
 
-import importlib
 import io
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from wct_plugin.io import gmsh22, gmsh41, obj, off, ply, tetgen_face_file
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
+from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.io.meshio_readers import overheard
 from wct_plugin.io.periodic_sides import PeriodicSides
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -37,9 +38,7 @@ class Content:
 
     def mesh(self, **extra: Any) -> Any:
         """All of it but the names as a meshio mesh."""
-        import meshio
-
-        return meshio.Mesh(
+        return meshio_module().Mesh(
             self.points,
             self.cells,
             point_data=self.point_data,
@@ -77,7 +76,7 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
             case "TetGen":
                 return _write_tetgen(path, content)
             case _:
-                importlib.import_module(f"meshio.{form.module}").write(str(path), content.mesh())
+                meshio_module(form.module).write(str(path), content.mesh())
                 if form.name == "VTU" and content.names:
                     _add_names(path, content.names)
     return said
@@ -97,11 +96,11 @@ def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:
 def _write_xdmf(path: Path, content: Content) -> None:
     """Meshio leaves its HDF5 file to the garbage collector, where a full disk goes unnoticed; so it gets none."""
     import h5py  # type: ignore[import-untyped]
-    from meshio.xdmf.main import ET, XdmfWriter
 
+    made_by = meshio_module("xdmf.main").XdmfWriter
     heavy = path.with_suffix(".h5")
     buffer = io.BytesIO()
-    writer = XdmfWriter.__new__(XdmfWriter)
+    writer = made_by.__new__(made_by)
     writer.filename, writer.h5_filename, writer.data_format = path, heavy, "HDF"
     writer.data_counter, writer.compression, writer.compression_opts = 0, "gzip", 4
     root = ET.Element("Xdmf", Version="3.0")
@@ -118,20 +117,16 @@ def _write_xdmf(path: Path, content: Content) -> None:
 
 def _write_med(path: Path, content: Content) -> None:
     """By way of memory, for the same reason."""
-    from meshio import med
-
     buffer = io.BytesIO()
-    med.write(buffer, content.mesh())
+    meshio_module("med").write(buffer, content.mesh())
     path.write_bytes(buffer.getvalue())
 
 
 def _write_tetgen(path: Path, content: Content) -> list[str]:
-    from meshio import tetgen
-
     cells = dict(content.cells)
     tags = dict(zip(cells, content.cell_data["tetgen:ref"], strict=True))
     tets = replace(content, cells=content.cells[:1], cell_data={"tetgen:ref": [tags["tetra"]]})
-    tetgen.write(str(path), tets.mesh())
+    meshio_module("tetgen").write(str(path), tets.mesh())
     no_facets = np.empty((0, 3), dtype=np.int64), np.empty(0, dtype=np.int64)
     return tetgen_face_file.write_facets(path, cells.get("triangle", no_facets[0]), tags.get("triangle", no_facets[1]))
 

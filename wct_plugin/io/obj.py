@@ -5,16 +5,19 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import vtk_cells
+from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.mesh import SurfaceMesh
 
 
-def read(path: Path) -> SurfaceMesh:
-    """Vertices and triangles; normals, texture coordinates and materials are of no use to a mesher.
+def read(path: Path) -> tuple[RawMesh, list[str]]:
+    """Vertices and faces; normals, texture coordinates and materials are of no use to a mesher.
 
-    Raises :class:`InputError`, without the file's name, for a malformed line and for faces that are no triangles.
+    Raises :class:`InputError`, without the file's name, for a malformed line.
     """
     points: list[list[float]] = []
-    triangles: list[list[int]] = []
+    sizes: list[int] = []
+    faces: list[int] = []
     with path.open(encoding="utf-8", errors="strict") as file:
         for number, line in enumerate(file, start=1):
             words = line.split()
@@ -32,12 +35,11 @@ def read(path: Path) -> SurfaceMesh:
             if not good:
                 raise InputError(f"line {number} is {line.strip()[:60]!r}; expected 'v x y z' or 'f a b c'")
             if words[0] == "f":
-                if len(corners) != 3:
-                    kind = "a quad" if len(corners) == 4 else f"a polygon of {len(corners)} corners"
-                    raise InputError(f"the face in line {number} is {kind}; allowed are triangles")
+                sizes.append(len(corners))
                 # Negative numbers count back from the last vertex so far.
-                triangles.append([corner - 1 if corner > 0 else len(points) + corner for corner in corners])
-    return SurfaceMesh(np.array(points).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3))
+                faces += [corner - 1 if corner > 0 else len(points) + corner for corner in corners]
+    blocks, _ = vtk_cells.faces(np.array(sizes, dtype=np.int64), np.array(faces, dtype=np.int64), {})
+    return RawMesh(np.array(points).reshape(-1, 3), blocks), []
 
 
 def write(path: Path, surface: SurfaceMesh) -> None:

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import vtk_cells
+from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.mesh import SurfaceMesh
 
 
-def read(path: Path) -> SurfaceMesh:
-    """Vertices and triangles; colours and normals are left.
+def read(path: Path) -> tuple[RawMesh, list[str]]:
+    """Vertices and faces; colours and normals are left.
 
-    Raises :class:`InputError`, without the file's name, for a malformed or short file and for faces that are no
-    triangles.
+    Raises :class:`InputError`, without the file's name, for a malformed or short file.
     """
     with path.open(encoding="utf-8", errors="strict") as file:
         rows = (words for line in file if (words := line.partition("#")[0].split()))
@@ -25,14 +26,16 @@ def read(path: Path) -> SurfaceMesh:
         if len(counts) < 2 or not all(count.isdigit() for count in counts[:2]):
             raise InputError("has no line with its numbers of vertices and faces")
         points = [_numbers(rows, "vertex", k, int(counts[0]))[:3] for k in range(int(counts[0]))]
-        triangles = []
+        sizes, faces = [], []
         for k in range(int(counts[1])):
             row = _numbers(rows, "face", k, int(counts[1]))
-            if row[0] != 3:
-                kind = "a quad" if row[0] == 4 else f"a polygon of {row[0]:g} corners"
-                raise InputError(f"face {k} is {kind}; allowed are triangles")
-            triangles.append([int(corner) for corner in row[1:4]])
-    return SurfaceMesh(np.array(points).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3))
+            sizes.append(int(row[0]))
+            corners = row[1 : 1 + sizes[-1]]
+            if len(corners) != sizes[-1]:
+                raise InputError(f"face {k} of {counts[1]} has {len(corners)} corners but announces {sizes[-1]}")
+            faces += [int(corner) for corner in corners]
+    blocks, _ = vtk_cells.faces(np.array(sizes, dtype=np.int64), np.array(faces, dtype=np.int64), {})
+    return RawMesh(np.array(points).reshape(-1, 3), blocks), []
 
 
 def write(path: Path, surface: SurfaceMesh) -> None:

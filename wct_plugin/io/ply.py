@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import vtk_cells
+from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.mesh import SurfaceMesh
 
 _TYPES = {
@@ -47,7 +49,7 @@ class _Element:
     properties: list[_Property]
 
 
-def read(path: Path) -> tuple[SurfaceMesh, list[str]]:
+def read(path: Path) -> tuple[RawMesh, list[str]]:
     """The surface, and what of the file it cannot hold. Raises :class:`InputError` without the file's name."""
     with path.open("rb") as file:
         layout, elements = _header(file)
@@ -67,13 +69,12 @@ def read(path: Path) -> tuple[SurfaceMesh, list[str]]:
     lost += [f"vertex lists {name!r}" for name, values in vertex.items() if isinstance(values, list)]
     lost += [f"elements {element.name!r}" for element in elements if element.name not in ("vertex", "face")]
     points = np.column_stack([vertex.pop(axis) for axis in "xyz"])
-    surface = SurfaceMesh(
-        points,
-        _triangles(corners),
-        point_data={name: values for name, values in vertex.items() if not isinstance(values, list)},
-        cell_data={name: values for name, values in face.items() if not isinstance(values, list)},
-    )
-    return surface, lost
+    point_data = {name: values for name, values in vertex.items() if not isinstance(values, list)}
+    cell_data = {name: values for name, values in face.items() if not isinstance(values, list)}
+    sizes = np.array([len(face) for face in corners], dtype=np.int64)
+    flat = np.concatenate([*corners, np.empty(0, np.int64)]).astype(np.int64)
+    blocks, blocks_data = vtk_cells.faces(sizes, flat, cell_data)
+    return RawMesh(points, blocks, point_data, blocks_data), lost
 
 
 def write(
@@ -209,14 +210,6 @@ def _gather(element: _Element, rows: Iterator[list[Any]]) -> dict[str, Any]:
 def _column(values: NDArray[Any], prop: _Property) -> Any:
     """Lists of one common length stay lists, except the corners, which are to become an array."""
     return list(values) if prop.count and prop.name not in _CORNERS else values
-
-
-def _triangles(corners: Any) -> NDArray[np.int64]:
-    if isinstance(corners, list) or (len(corners) and corners.shape[1] != 3):
-        number = next(k for k, face in enumerate(corners) if len(face) != 3)
-        kind = {4: "a quad"}.get(len(corners[number]), f"a polygon of {len(corners[number])} corners")
-        raise InputError(f"face {number} is {kind}; allowed are triangles")
-    return np.asarray(corners, dtype=np.int64).reshape(-1, 3)
 
 
 def _storable(values: NDArray[Any]) -> NDArray[Any]:

@@ -41,3 +41,4 @@ class RawMesh:
     field_data: dict[str, NDArray[Any]] = field(default_factory=dict)  #: gmsh's physical names: tag, dimension
     families: Mapping[int, list[str]] = field(default_factory=dict)  #: MED: the groups that each tag stands for
     periodic: list[Any] = field(default_factory=list)  #: gmsh: dimension, tags, affine map, pairs of points
+    notes: list[str] = field(default_factory=list)  #: what was done to what the file holds, a line each, for the user

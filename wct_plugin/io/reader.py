@@ -1,12 +1,12 @@
 """A file becomes a :class:`TetMesh` or a :class:`SurfaceMesh`: by meshio, by what the file contains, or not at all."""
 
+import importlib
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
 from wct_plugin.errors import InputError, WctWarning
-from wct_plugin.io import formats, obj, off, ply
-from wct_plugin.io.assembly import to_mesh, with_tags
+from wct_plugin.io import formats
+from wct_plugin.io.assembly import to_mesh
 from wct_plugin.io.meshio_readers import load, refusing
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
@@ -33,7 +33,7 @@ def read(path: str | Path) -> TetMesh | SurfaceMesh:
     Warns
     -----
     WctWarning
-        For what the file has and the mesh cannot hold, by name.
+        For what the file has and the mesh cannot hold, by name; and for what was done to it, such as quads split.
 
     Raises
     ------
@@ -44,29 +44,24 @@ def read(path: str | Path) -> TetMesh | SurfaceMesh:
     form = formats.to_read(file)
     _check_file(path, file)
     try:
-        mesh, lost = _read(file, form, str(path))
+        mesh, lost, notes = _read(file, form, str(path))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     if lost:
         warnings.warn(f"{path}: not read: {', '.join(lost)}", WctWarning, stacklevel=2)
+    for note in notes:
+        warnings.warn(f"{path}: {note}", WctWarning, stacklevel=2)
     return mesh
 
 
-def _read(file: Path, form: formats.Format, source: str) -> tuple[TetMesh | SurfaceMesh, list[str]]:
-    lost: list[str] = []
-    if form.module:
+def _read(file: Path, form: formats.Format, source: str) -> tuple[TetMesh | SurfaceMesh, list[str], list[str]]:
+    """The mesh, what of the file is left out, and what was done to the rest."""
+    if form.reader:
+        with refusing(form):
+            raw, lost = importlib.import_module(f"wct_plugin.io.{form.reader}").read(file)
+    else:
         raw, lost = load(file, form)
-        return to_mesh(raw, form, lost, source), lost
-    with refusing(form):
-        match form.name:
-            case "PLY":
-                surface, lost = ply.read(file)
-                surface = with_tags(surface)
-            case "OBJ":
-                surface = obj.read(file)
-            case _:
-                surface = off.read(file)
-    return replace(surface, source=source), lost
+    return to_mesh(raw, form, lost, source), lost, raw.notes
 
 
 def _check_file(path: str | Path, file: Path) -> None:

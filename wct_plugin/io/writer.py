@@ -10,7 +10,7 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.errors import OutputError, WctWarning
+from wct_plugin.errors import ObjectError, OutputError, WctWarning
 from wct_plugin.io import formats, gmsh_version
 from wct_plugin.io.assembly import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.io.atomic_files import replacing
@@ -64,12 +64,18 @@ def write(
 
     Raises
     ------
+    ObjectError
+        If ``mesh`` is another library's.
     OptionError
         If an option has a value that is not allowed, or is given for another format than gmsh's.
     OutputError
         If the suffix is unknown, the format cannot carry such a mesh, or the file cannot be written; and if ``version``
         is "2.2" and cells are in several groups, unless ``groups`` is "first".
     """
+    if not isinstance(mesh, TetMesh | SurfaceMesh):
+        raise ObjectError(
+            f"{path}: is given a {type(mesh).__name__}; wct_plugin.as_mesh makes a mesh of what can be one"
+        )
     file = Path(path)
     form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
     msh = MshOptions(version, binary, groups)

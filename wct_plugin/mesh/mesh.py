@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wct_plugin.errors import NoMeshError
 from wct_plugin.exact import predicates
+from wct_plugin.mesh.pickled import Pickled
 from wct_plugin.mesh.topology import Topology
 from wct_plugin.types import Floats, Ints
 
@@ -46,7 +47,7 @@ class Repairs:
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class Cells(Pickled):
     """Facets (d = 3), edges (d = 2) or vertices (d = 1) the user tagged: boundary conditions, interfaces, probes.
 
     ``vertices`` (k, d) point indices; ``tags`` (k,), 0 where the file gave none; ``data`` arrays of length k;
@@ -87,7 +88,7 @@ def _no_cells(width: int) -> Cells:
 
 
 @dataclass(frozen=True, eq=False)
-class SurfaceMesh:
+class SurfaceMesh(Pickled):
     """A triangle surface: what a mesher fills, and what an output boundary is measured against.
 
     ``points`` (n, 3), ``triangles`` (k, 3), ``tags`` (k,), data by name, ``source`` the file it came from.
@@ -123,7 +124,7 @@ class SurfaceMesh:
 
 
 @dataclass(frozen=True, eq=False)
-class TetMesh:
+class TetMesh(Pickled):
     """A tetrahedral mesh with everything that hangs on it.
 
     ``points`` (n, 3) and ``tets`` (m, 4), positively oriented: ``det(x1-x0, x2-x0, x3-x0) > 0``, exactly.

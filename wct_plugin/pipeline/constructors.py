@@ -17,7 +17,7 @@ from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.graph import Step, find_stage
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import ENDS, ReadMesh, writer_type
-from wct_plugin.pipeline.stage import Mesh, Options, Stage, did_you_mean, filter_names
+from wct_plugin.pipeline.stage import Options, Stage, did_you_mean, filter_names
 
 
 class Filters:
@@ -43,11 +43,11 @@ class _Ends(Filters):
 
 
 class Readers(_Ends):
-    """``wct.Reader(file)`` reads a mesh, ``wct.Reader(mesh)`` takes one that is in memory."""
+    """``wct.Reader(file)`` reads a mesh, ``wct.Reader(mesh)`` takes one of ours or of another library."""
 
     _family = "readers"
 
-    def __call__(self, source: str | Path | Mesh, *, tag: str = "") -> Pipeline:
+    def __call__(self, source: Any, *, tag: str = "") -> Pipeline:
         """Give a pipeline that begins with ``source``."""
         return Pipeline([Step(ReadMesh(filename=source), tag)])
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.stage import FilterStage, Mesh, Options, Stage, find_filter
-from wct_plugin.report.report import Report, make_report
+from wct_plugin.reports.report import Report, make_report
 from wct_plugin.types import Metrics
 
 

@@ -1,10 +1,11 @@
 """Steps of a pipeline: a stage with its tag and its inputs, and how steps hang together."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
-from wct_plugin.errors import OptionError
+from wct_plugin.errors import OptionError, WctError
 from wct_plugin.pipeline.readers_writers import ENDS, Writer
 from wct_plugin.pipeline.stage import Options, Stage, did_you_mean, filter_names, find_filter
 
@@ -52,6 +53,16 @@ def unplaced(message: str) -> str:
         return message
     rest = message[found.end() :]
     return f"{found[1]}: {rest}" if found[1].startswith("filters.") else rest
+
+
+@contextmanager
+def unplaced_errors() -> Iterator[None]:
+    """Take the number of the stage from errors: who runs one filter never numbered any."""
+    try:
+        yield
+    except WctError as error:
+        error.args = (unplaced(str(error)), *error.args[1:])
+        raise
 
 
 def wire(steps: Sequence[Step]) -> list[list[int]]:

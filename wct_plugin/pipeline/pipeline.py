@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from wct_plugin.errors import InternalError, OptionError, WctError
+from wct_plugin.objects.conversions import called
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import Flow
 from wct_plugin.pipeline.graph import Step, find_stage, label, order, unnamed, upstream, wire
 from wct_plugin.pipeline.readers_writers import Reader, ReadMesh, Writer, writer_type
 from wct_plugin.pipeline.result import Result, StageResult, goal_of
-from wct_plugin.pipeline.stage import FilterStage, Kind, Mesh, Options, Stage
+from wct_plugin.pipeline.stage import FilterStage, Kind, Options, Stage
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Metrics
 
@@ -61,12 +62,11 @@ class Pipeline:
         """Whether it needs a mesh or file put before it: it begins with a stage that takes what comes before."""
         return bool(self.steps) and not self.steps[0].stage.starts() and not self.steps[0].inputs
 
-    def between(self, source: str | Path | Mesh, targets: Iterable[str | Path] = ()) -> "Pipeline":
-        """The pipeline with a reader of ``source`` before it and writers of ``targets`` behind it."""
+    def between(self, source: Any, targets: Iterable[str | Path] = ()) -> "Pipeline":
+        """The pipeline with a reader of ``source``, a file or mesh, before it and writers of ``targets`` behind it."""
         if self.steps and not self.is_open:
-            raise OptionError(
-                f"{label(self.steps, 0)}: needs no input; only filters that take a mesh can have {source}"
-            )
+            given = source if isinstance(source, str | Path) else called(source)
+            raise OptionError(f"{label(self.steps, 0)}: needs no input; only filters that take a mesh can have {given}")
         ends = [Step(find_stage(writer_type(str(target)))(filename=target)) for target in targets]
         return Pipeline((Step(ReadMesh(filename=source)), *self.steps, *ends))
 
@@ -90,8 +90,8 @@ class Pipeline:
         if read and not self.is_open:
             _read(self.steps, wires, [0.0] * len(self.steps))
 
-    def apply(self, mesh: Mesh, progress: ProgressCallback | None = None) -> Result:
-        """Run a pipeline that has no reader on ``mesh``."""
+    def apply(self, mesh: Any, progress: ProgressCallback | None = None) -> Result:
+        """Run a pipeline that has no reader on ``mesh``, of ours or of another library."""
         return self.between(mesh).execute(progress)
 
     def execute(self, progress: ProgressCallback | None = None) -> Result:

@@ -1,4 +1,4 @@
-"""The ends of a pipeline: stages that read a mesh, and stages that write a mesh or its report."""
+"""The ends of a pipeline: stages that read a mesh, and stages that write a mesh, its report or its dual."""
 
 import json
 import os
@@ -9,14 +9,17 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, field_validator
 
+from wct_plugin.duals import dual_files
+from wct_plugin.duals.dual_files import DualFormat
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.io import atomic_files, check_groups, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.flow import Flow, side_by_side
 from wct_plugin.pipeline.provenance import environment, options_of, plain
 from wct_plugin.pipeline.stage import Kind, Mesh, O_co, Options, Stage, check_kind
-from wct_plugin.report import html_report
+from wct_plugin.reports import html_report
 
 _REPORTS = (".html", ".json")
 
@@ -83,7 +86,7 @@ class FileOptions(Options):
 
 
 class SourceOptions(Options):
-    """A file by name, or from Python a mesh."""
+    """A file by name, or from Python a mesh, of ours or of another library."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
@@ -95,9 +98,11 @@ class SourceOptions(Options):
     @classmethod
     def _name_or_mesh(cls, value: Any) -> Any:
         value = _path(value)
-        if (isinstance(value, str) and value) or isinstance(value, TetMesh | SurfaceMesh):
+        if isinstance(value, str) and value:
             return value
-        raise ValueError("must be the name of a mesh file")
+        if value == "" or isinstance(value, bool | int | float | dict | None):  # as JSON may have it
+            raise ValueError("must be the name of a mesh file")
+        return as_mesh(value)
 
 
 class ReadMesh(Reader[SourceOptions]):
@@ -265,9 +270,49 @@ def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]
     return {**reports, "filters": plain(last.metrics), "provenance": provenance(last)}
 
 
+class DualOptions(FileOptions):
+    """Where the dual goes, and in what form."""
+
+    filename: str = Field(min_length=1, description="The file, NAME.vtu or NAME.npz, or the folder to write")
+    format: DualFormat | None = Field(
+        None,
+        description="vtu: polyhedra; openfoam: polyMesh in a folder; npz, matrix-market: Hodge stars and derivatives"
+        " (none: as the suffix says, a folder is openfoam)",
+    )
+
+
+class WriteDual(Writer[DualOptions]):
+    """Write the circumcentric dual of a tet mesh, as Voronoi cells or as Hodge stars, and hand the mesh on.
+
+    Voronoi cells: NAME.vtu, or constant/polyMesh in a folder, which is OpenFOAM's. Hodge stars and exterior
+    derivatives: NAME.npz, or Matrix Market files in a folder.
+    """
+
+    name = "dual"
+    declaration = DualOptions
+
+    @property
+    def filename(self) -> str:  # noqa: D102
+        return self.options.filename
+
+    def validate(self) -> None:  # noqa: D102
+        form = dual_files.format_of(self.filename, self.options.format)
+        dual_files.check_dual_writable(self.filename, form)
+
+    def check_takes(self, kind: Kind) -> None:  # noqa: D102
+        check_kind(self.type(), TetMesh, kind)
+
+    def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
+        return flow
+
+    def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
+        (flow,) = flows.values()
+        dual_files.write_dual(self.filename, flow.mesh, format=self.options.format)
+
+
 #: Every reader and writer by type.
 ENDS: Mapping[str, type[Reader[Options]] | type[Writer[Options]]] = {
-    end.type(): end for end in (ReadMesh, WriteMesh, WriteReport)
+    end.type(): end for end in (ReadMesh, WriteMesh, WriteReport, WriteDual)
 }
 
 

@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wct_plugin.errors import OptionError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.faults import told_apart
 from wct_plugin.progress import Progress, ProgressCallback
 from wct_plugin.types import Metrics
@@ -95,14 +96,16 @@ class FilterStage(Stage[O_co]):
     takes: ClassVar[Kind | None]
     gives: ClassVar[Kind]
     measures: ClassVar[bool] = (
-        False  #: whether its metrics are what :func:`~wct_plugin.report.report.make_report` can reuse
+        False  #: whether its metrics are what :func:`~wct_plugin.reports.report.make_report` can reuse
     )
 
-    def __call__(self, mesh: Mesh | None = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
+    def __call__(self, mesh: Any = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
         """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run.
 
-        Raises :class:`wct_plugin.errors.InternalError` where the filter itself is at fault.
+        ``mesh`` may be anything that :func:`wct_plugin.objects.conversions.as_mesh` takes. Raises
+        :class:`wct_plugin.errors.InternalError` where the filter itself is at fault.
         """
+        mesh = None if mesh is None else as_mesh(mesh)
         self.check_takes(None if mesh is None else type(mesh))
         self.validate()
         return told_apart(self.run, mesh, progress or _silent)
@@ -219,9 +222,11 @@ def find_filter(name: str) -> type[FilterStage[Options]]:
 
 
 def apply_filter(
-    name: str, mesh: Mesh | None = None, /, *, progress: ProgressCallback | None = None, **options: Any
+    name: str, mesh: Any = None, /, *, progress: ProgressCallback | None = None, **options: Any
 ) -> tuple[Mesh, Metrics]:
     """Run one filter on ``mesh`` and give the new mesh and the filter's metrics; ``mesh`` stays as it is.
+
+    ``mesh`` may be one of other libraries too, see :func:`wct_plugin.objects.conversions.as_mesh`; the new one is ours.
 
     >>> mesh, metrics = apply_filter("apply_coord_well_centering", mesh, boundary="slide")  # doctest: +SKIP
     >>> mesh, metrics = apply_filter("create_cube", variant="84")  # filters that make a mesh take none

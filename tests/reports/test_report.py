@@ -14,8 +14,8 @@ from wct_plugin.measure.negative_duals import count_negative_duals
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.obstructions.remaining_tets import list_remaining
-from wct_plugin.report.report import make_report
-from wct_plugin.report.text_histograms import text_histogram, text_histograms
+from wct_plugin.reports.report import make_report
+from wct_plugin.reports.text_histograms import text_histogram, text_histograms
 
 
 @pytest.mark.parametrize("name", PAPER_TETS)

@@ -11,8 +11,8 @@ from support.builders import ball, bcc, jittered_cube, single, sphere_surface
 import wct_plugin as wct
 from wct_plugin.cli import main
 from wct_plugin.errors import OptionError
-from wct_plugin.report.json_schema import schema
-from wct_plugin.report.report import make_report
+from wct_plugin.reports.json_schema import schema
+from wct_plugin.reports.report import make_report
 
 CHECK = Draft202012Validator(schema())
 

@@ -19,8 +19,8 @@ from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.flow import Flow
 from wct_plugin.pipeline.readers_writers import ReadMesh, provenance
 from wct_plugin.pipeline.stage import find_filter
-from wct_plugin.report.html_report import html
-from wct_plugin.report.report import BINS, make_report
+from wct_plugin.reports.html_report import html
+from wct_plugin.reports.report import BINS, make_report
 
 NASTY = "/data/<img src=x onerror=parent.ran=1>&amp;\"'$x$_a_name_without_end_or_a_place_to_break_it.vtu"
 BEFORE = replace(jittered_cube(3), source=NASTY)

@@ -9,7 +9,7 @@ from support.builders import bcc, jittered_cube, kuhn_cube, single
 
 from wct_plugin.measure.quality import measure
 from wct_plugin.mesh import TetMesh
-from wct_plugin.report.pictures import OBTUSE, colours, pictures
+from wct_plugin.reports.pictures import OBTUSE, colours, pictures
 
 
 def pixels(picture):

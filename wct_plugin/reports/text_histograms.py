@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.report.report import BINS, TITLES, Report
+from wct_plugin.reports.report import BINS, TITLES, Report
 
 _BLOCKS = " ▏▎▍▌▋▊▉█"
 

@@ -8,8 +8,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.report.html_elements import Html, details, table
-from wct_plugin.report.pictures import OBTUSE, SCALE
+from wct_plugin.reports.html_elements import Html, details, table
+from wct_plugin.reports.pictures import OBTUSE, SCALE
 
 _WIDTH, _LEFT, _RIGHT = 460.0, 52.0, 22.0
 _PANEL, _LINE, _GAP, _FOOT = 88.0, 19.0, 12.0, 38.0
@@ -99,7 +99,7 @@ def histogram(axis: Axis, series: Sequence[Series]) -> Html:
 
 
 def colour_scale() -> Html:
-    """What the colours of :func:`wct_plugin.report.pictures.pictures` stand for."""
+    """What the colours of :func:`wct_plugin.reports.pictures.pictures` stand for."""
     scale = _Scale(SCALE[0][0], SCALE[-1][0], 1.0)
     low, high, middle = scale.x(scale.low), scale.x(scale.high), scale.x(0.0)
     stops = "".join(

@@ -1,17 +1,17 @@
-"""Pyvista's datasets as meshes and back; the accessor ``.wct`` is in :mod:`.pyvista_accessor`."""
+"""Pyvista's datasets, and VTK's, as meshes and back."""
 
-import warnings
 from typing import Any
 
 import numpy as np
 import pyvista as pv
 
-from wct_plugin.errors import InputError, WctWarning
-from wct_plugin.io.assembly import NAME, TAGS, to_mesh
+from wct_plugin.errors import InputError
+from wct_plugin.io.assembly import NAME, TAGS
 from wct_plugin.io.formats import PYVISTA
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.writer import contents
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.objects.assembled import assembled, not_carried
 
 #: VTK's types of cells by meshio's names, and the number of points each has.
 _TYPES = {"tetra": 10, "triangle": 5, "line": 3, "vertex": 1}
@@ -29,13 +29,14 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     Parameters
     ----------
     dataset : pyvista.UnstructuredGrid or pyvista.PolyData
-        What to take; it is left as it is.
+        What to take, or VTK's own; it is left as it is.
 
     Raises
     ------
     InputError
         For other cells than tets, triangles, lines and vertices.
     """
+    dataset = dataset if isinstance(dataset, pv.DataSet) else pv.wrap(dataset)
     grid = dataset if isinstance(dataset, pv.UnstructuredGrid) else dataset.cast_to_unstructured_grid()
     what = type(dataset).__name__
     types, starts = np.array(grid.celltypes), np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
@@ -60,14 +61,7 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
         },
         field_data={name: np.asarray(values) for name, values in grid.field_data.items()},
     )
-    lost: list[str] = []
-    try:
-        mesh = to_mesh(raw, PYVISTA, lost, "", _tags(grid))
-    except InputError as error:
-        raise InputError(f"{what}: {error}") from error
-    if lost:
-        warnings.warn(f"{what}: not read: {', '.join(lost)}", WctWarning, stacklevel=2)
-    return mesh
+    return assembled(raw, PYVISTA, what, _tags(grid))
 
 
 def _tags(grid: pv.UnstructuredGrid) -> tuple[str, ...]:
@@ -79,11 +73,10 @@ def to_pyvista(mesh: TetMesh | SurfaceMesh) -> pv.UnstructuredGrid | pv.PolyData
     """Make a dataset of a mesh: a grid of tets, then tagged facets, edges and vertices; a surface becomes PolyData.
 
     Every array spans all cells, with zero or NaN where a kind of cell lacks it. What does not go in, such as arrays of
-    words, is named in a :class:`WctWarning`.
+    words, is named in a warning.
     """
     content, lost = contents(mesh, PYVISTA)
-    if lost:
-        warnings.warn(f"pyvista's dataset cannot carry, so dropped: {', '.join(lost)}", WctWarning, stacklevel=2)
+    not_carried("pyvista's dataset", lost)
     dataset: pv.UnstructuredGrid | pv.PolyData
     if isinstance(mesh, SurfaceMesh):
         triangles: Any = content.cells[0][1]  # its own type says "int", which no array of NumPy's is

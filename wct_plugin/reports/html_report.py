@@ -10,8 +10,8 @@ from wct_plugin.certify.certificate import Certificate
 from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.mesh import TetMesh
 from wct_plugin.obstructions import remaining_tets
-from wct_plugin.report.histograms import Axis, Series, colour_scale, histogram
-from wct_plugin.report.html_elements import (
+from wct_plugin.reports.histograms import Axis, Series, colour_scale, histogram
+from wct_plugin.reports.html_elements import (
     Card,
     Html,
     cards,
@@ -25,8 +25,8 @@ from wct_plugin.report.html_elements import (
     section,
     table,
 )
-from wct_plugin.report.pictures import Picture, check_available, pictures
-from wct_plugin.report.report import BINS, TITLES, Report, short_names
+from wct_plugin.reports.pictures import Picture, check_available, pictures
+from wct_plugin.reports.report import BINS, TITLES, Report, short_names
 
 __all__ = ["check_available", "html"]
 

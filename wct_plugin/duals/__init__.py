@@ -1,0 +1,1 @@
+"""The circumcentric dual as a mesh of its own, and its files."""

@@ -1,0 +1,130 @@
+"""MED files of Salome, code_aster and gmsh: cells, families with their groups, and fields, whole or on profiles."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import InputError
+from wct_plugin.io import med_fields
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
+
+#: MED's kinds of cells by meshio's names.
+_KINDS = {
+    "PO1": "vertex", "SE2": "line", "SE3": "line3", "SE4": "line4", "TR3": "triangle", "TR6": "triangle6",
+    "TR7": "triangle7", "QU4": "quad", "QU8": "quad8", "QU9": "quad9", "TE4": "tetra", "T10": "tetra10",
+    "PY5": "pyramid", "P13": "pyramid13", "PE6": "wedge", "P15": "wedge15", "P18": "wedge18", "HE8": "hexahedron",
+    "H20": "hexahedron20", "H27": "hexahedron27", "OCT": "octahedron",
+}  # fmt: skip
+_POLYGONS, _POLYHEDRA = ("POG", "PG2"), "POE"
+
+
+def read(path: Path) -> tuple[RawMesh, list[str]]:
+    """What the file holds, and what of it is left out. Raises :class:`InputError` without the file's name."""
+    import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
+
+    lost: list[str] = []
+    notes: list[str] = []
+    with h5py.File(path, "r") as file:
+        meshes = list(file.get("ENS_MAA", {}))
+        if len(meshes) != 1:
+            raise InputError(f"has {len(meshes)} meshes{': ' * bool(meshes)}{', '.join(meshes)}; allowed is one")
+        mesh = file["ENS_MAA"][meshes[0]]
+        step = _step(mesh, meshes[0], notes)
+        raw, names = _cells(step, int(mesh.attrs["ESP"]))
+        families = file.get(f"FAS/{meshes[0]}", mesh.get("FAS", {}))
+        raw.families = _families(families.get("ELEME", {}))
+        _point_groups(raw, step["NOE"], _families(families.get("NOEUD", {})))
+        med_fields.put(raw, names, file, meshes[0], lost)
+    raw.notes += notes
+    return raw, lost
+
+
+def _step(mesh: Any, name: str, notes: list[str]) -> Any:
+    """The mesh at its last step; files of version 2 have none."""
+    if "NOE" in mesh:
+        return mesh
+    steps = sorted(key for key in mesh if "NOE" in mesh[key])
+    if not steps:
+        raise InputError(f"mesh {name!r} has no points; allowed are meshes that are no structured grids")
+    if len(steps) > 1:
+        notes.append(f"has {len(steps)} steps of the mesh {name!r}; the last is taken")
+    return mesh[steps[-1]]
+
+
+def _columns(data: Any, count: int) -> NDArray[Any]:
+    """One row per entity of what MED keeps component by component."""
+    array = np.asarray(data[()])
+    if count <= 0 or array.size % count:
+        raise InputError(f"has {array.size} numbers for {count} entities")
+    return array.reshape(-1, count).T
+
+
+def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
+    """Points and cells with their families, and MED's kind of each block."""
+    coordinates = step["NOE"]["COO"]
+    raw = RawMesh(_columns(coordinates, int(coordinates.attrs["NBR"]))[:, :dimension], [])
+    tags: list[NDArray[Any] | None] = []
+    names: list[str] = []
+    for name, group in step.get("MAI", {}).items():
+        if name == _POLYHEDRA or name in _POLYGONS:
+            blocks = _open_cells(name, group)
+        elif name in _KINDS:
+            nodes = group["NOD"]
+            blocks = [(_KINDS[name], _columns(nodes, int(nodes.attrs["NBR"])) - 1, slice(None))]
+        else:
+            raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(_KINDS)}")
+        family = group["FAM"][()] if "FAM" in group else None
+        for kind, cells, rows in blocks:
+            raw.cells.append(RawBlock(kind, cells.astype(np.int64)))
+            tags.append(None if family is None else family[rows])
+            names.append(name)
+    if any(column is not None for column in tags):
+        raw.cell_data["cell_tags"] = [
+            np.zeros(len(block), np.int64) if column is None else column
+            for block, column in zip(raw.cells, tags, strict=True)
+        ]
+    return raw, names
+
+
+def _open_cells(name: str, group: Any) -> list[tuple[str, NDArray[Any], Any]]:
+    """Polygons by their number of corners; polyhedra as what they are, with no more than a point each."""
+    index = np.asarray(group["INN" if name != _POLYHEDRA else "INF"][()]) - 1
+    nodes, sizes = np.asarray(group["NOD"][()]) - 1, np.diff(index)
+    if name == _POLYHEDRA:
+        return [("polyhedron", nodes[:1].repeat(len(sizes))[:, None], slice(None))]
+    made = []
+    for size in np.unique(sizes).tolist():
+        rows = np.flatnonzero(sizes == size)
+        made.append(("polygon", nodes[index[rows][:, None] + np.arange(size)], rows))
+    return made
+
+
+def _families(group: Any) -> dict[int, list[str]]:
+    """By number the names of the groups that a family belongs to; gmsh has families that belong to none."""
+    made: dict[int, list[str]] = {}
+    for family in group.values():
+        names = family["GRO"]["NOM"][()] if "GRO" in family else []
+        made[int(family.attrs["NUM"])] = [_text(np.asarray(name).astype(np.uint8).tobytes()) for name in names]
+    return {number: names for number, names in made.items() if names}
+
+
+def _text(row: bytes) -> str:
+    """A name of fixed length: in UTF-8, as Salome has it, or in Latin-1, as older programs."""
+    name = row.partition(b"\0")[0].strip()
+    try:
+        return name.decode("utf-8")
+    except UnicodeDecodeError:
+        return name.decode("latin-1")
+
+
+def _point_groups(raw: RawMesh, points: Any, families: dict[int, list[str]]) -> None:
+    if "FAM" not in points:
+        return
+    numbers = np.asarray(points["FAM"][()])
+    if numbers.any():
+        raw.point_data["point_tags"] = numbers
+    for name in dict.fromkeys(name for names in families.values() for name in names):
+        members = [number for number, names in families.items() if name in names]
+        raw.point_sets[name] = np.flatnonzero(np.isin(numbers, members))

@@ -1,0 +1,60 @@
+"""MED's fields: values per point or cell, at one time or several, for all of a kind or those of a profile."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import InputError
+from wct_plugin.io.raw_mesh import RawMesh
+
+_WHOLE = "MED_NO_PROFILE_INTERNAL"
+
+
+def put(raw: RawMesh, kinds: list[str], file: Any, mesh: str, lost: list[str]) -> None:
+    """Give the mesh its fields as arrays; ``kinds`` are MED's names of its blocks, ``lost`` grows by other fields."""
+    for name, group in file.get("CHA", {}).items():
+        of = group.attrs.get("MAI", mesh)
+        if (of if isinstance(of, str) else bytes(of).decode("utf-8", "replace")).strip("\0 ") != mesh:
+            lost.append(f"field {name!r}, which is of another mesh")
+        else:
+            _put_steps(raw, kinds, name, group, file.get("PROFILS", {}), lost)
+
+
+def _put_steps(raw: RawMesh, kinds: list[str], name: str, group: Any, profiles: Any, lost: list[str]) -> None:
+    """All steps of a field: under its name where there is one, else with number and time."""
+    steps = sorted(group)
+    for k, key in enumerate(steps):
+        title = name if len(steps) == 1 else f"{name}[{k}] - {float(group[key].attrs['PDT']):g}"
+        for support, data in group[key].items():
+            where, _, kind = support.partition(".")
+            if where == "NOE" and not kind:
+                raw.point_data[title] = _values(data, len(raw.points), profiles)
+            elif kinds.count(kind) == 1:
+                columns = raw.cell_data.setdefault(title, [None] * len(raw.cells))
+                block = kinds.index(kind)
+                columns[block] = _values(data, len(raw.cells[block]), profiles)
+            else:
+                lost.append(f"field {title!r} on {support}")
+
+
+def _values(data: Any, count: int, profiles: Any) -> NDArray[Any]:
+    """A value per entity, NaN where no profile has the entity; several per entity at Gauss points or corners."""
+    made: NDArray[Any] | None = None
+    for name, part in data.items():
+        points = int(part.attrs["NGA"]) if "NGA" in part.attrs else 1
+        values = np.asarray(part["CO"][()])
+        rows = slice(None) if name == _WHOLE else np.asarray(profiles[name]["PFL"][()]) - 1
+        entities = count if name == _WHOLE else len(rows)  # type: ignore[arg-type]
+        if values.size % (entities * points or 1):
+            raise InputError(f"has a field of {values.size} values for {entities} entities")
+        values = np.moveaxis(values.reshape(-1, entities, points), 0, 2)
+        if made is None:
+            whole = name == _WHOLE
+            fill = np.nan if values.dtype.kind == "f" else 0
+            made = np.array(values) if whole else np.full((count, *values.shape[1:]), fill, dtype=values.dtype)
+        made[rows] = values
+    if made is None:
+        raise InputError("has a field without values")
+    made = made[:, 0] if made.shape[1] == 1 else made
+    return made[..., 0] if made.shape[-1] == 1 else made

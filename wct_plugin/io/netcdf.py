@@ -1,0 +1,72 @@
+"""The variables of a netCDF file, whichever of its kinds it is."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import InputError
+
+
+class Variables(dict[str, NDArray[Any]]):
+    """Arrays by name, and the types of cells of those that are cells of Exodus's."""
+
+    def __init__(self, arrays: dict[str, NDArray[Any]], types: dict[str, str]) -> None:
+        super().__init__(arrays)
+        self.types = types
+
+    def texts(self, name: str) -> list[str]:
+        """The rows of characters of a variable as texts; none where there is no such variable."""
+        rows = self.get(name)
+        if rows is None:
+            return []
+        if rows.dtype.kind in "OU":
+            return [str(row) for row in rows]
+        return [_text(np.asarray(row, dtype="S1").tobytes()) for row in rows]
+
+
+def _text(content: bytes) -> str:
+    return content.partition(b"\0")[0].decode("utf-8", "replace").strip()
+
+
+def read(path: Path, wanted: tuple[str, ...]) -> Variables:
+    """The variables whose names begin with one of the wanted. Raises :class:`InputError` without the file's name."""
+    with path.open("rb") as file:
+        start = file.read(8)
+    if start.startswith(b"\x89HDF\r\n\x1a\n"):
+        return _from_hdf(path, wanted)
+    if start[:4] in (b"CDF\x01", b"CDF\x02"):
+        return _from_classic(path, wanted)
+    kind = "is netCDF of the kind CDF-5" if start[:4] == b"CDF\x05" else "is no netCDF"
+    raise InputError(f"{kind}; allowed are its classic form, that of 64-bit offsets, and netCDF-4")
+
+
+def _from_hdf(path: Path, wanted: tuple[str, ...]) -> Variables:
+    import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
+
+    arrays: dict[str, NDArray[Any]] = {}
+    types: dict[str, str] = {}
+    with h5py.File(path, "r") as file:
+        for name, data in file.items():
+            if name.startswith(wanted) and isinstance(data, h5py.Dataset):
+                arrays[name] = np.asarray(data[()])
+                if "elem_type" in data.attrs:
+                    value = data.attrs["elem_type"]
+                    types[name] = value if isinstance(value, str) else _text(bytes(value))
+    return Variables(arrays, types)
+
+
+def _from_classic(path: Path, wanted: tuple[str, ...]) -> Variables:
+    from scipy.io import netcdf_file
+
+    arrays: dict[str, NDArray[Any]] = {}
+    types: dict[str, str] = {}
+    with netcdf_file(path, "r", mmap=False) as file:
+        for name, data in file.variables.items():
+            if name.startswith(wanted):
+                array = np.array(data[...])
+                arrays[name] = array.astype(array.dtype.newbyteorder("="))
+                if hasattr(data, "elem_type"):
+                    types[name] = _text(bytes(data.elem_type))
+    return Variables(arrays, types)

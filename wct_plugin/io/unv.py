@@ -1,0 +1,92 @@
+"""I-DEAS universal files ``.unv`` of Salome, gmsh and others: points, cells, and groups of both."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import InputError
+from wct_plugin.io import plain_numbers
+from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.unv_cells import Cells, cells_of
+from wct_plugin.io.unv_groups import Group, groups_of, put_groups
+
+_NODES, _ONE_LINE_NODES, _CELLS, _OLD_CELLS = ("2411", "781"), "15", "2412", ("780", "71")
+_GROUPS = {"2467": 4, "2477": 4, "2452": 4, "2435": 4, "2432": 2, "2430": 2, "2429": 2}  #: numbers per member
+#: Datasets that say nothing of a mesh: header, units, systems of coordinates.
+_NO_MATTER = ("151", "164", "2400", "2420")
+
+
+def read(path: Path) -> tuple[RawMesh, list[str]]:
+    """What the file holds, and what of it is left out. Raises :class:`InputError` without the file's name."""
+    lost: list[str] = []
+    labels: list[NDArray[np.int64]] = []
+    points: list[NDArray[np.float64]] = []
+    cells: list[Cells] = []
+    groups: list[Group] = []
+    for number, content in _datasets(path.read_bytes()):
+        if not content:
+            continue
+        if number in _NODES or number == _ONE_LINE_NODES:
+            some, places = _nodes(content, lines_each=1 if number == _ONE_LINE_NODES else 2)
+            labels.append(some)
+            points.append(places)
+        elif number == _CELLS or number in _OLD_CELLS:
+            cells += cells_of(content, lost, old=number != _CELLS)
+        elif number in _GROUPS:
+            groups += groups_of(content, _GROUPS[number])
+        elif number not in _NO_MATTER:
+            lost.append(f"dataset {number}")
+    if not points or not cells:
+        raise InputError("has no points or no cells in the datasets 15, 781, 2411, 780 and 2412")
+    rows = _Rows(np.concatenate(labels))
+    raw = RawMesh(np.concatenate(points), [block.raw(rows.of(block.corners.ravel())) for block in cells])
+    put_groups(raw, cells, groups, rows.labels, lost)
+    return raw, list(dict.fromkeys(lost))
+
+
+class _Rows:
+    """Labels of points, and where each is."""
+
+    def __init__(self, labels: NDArray[np.int64]) -> None:
+        self.labels, self._order = labels, np.argsort(labels, kind="stable")
+        self._sorted = labels[self._order]
+        again = np.flatnonzero(np.diff(self._sorted) == 0)
+        if len(again):
+            raise InputError(f"has point {self._sorted[again[0]]} twice")
+
+    def of(self, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The rows of these labels."""
+        place = np.minimum(np.searchsorted(self._sorted, wanted), len(self._sorted) - 1)
+        unknown = np.flatnonzero(self._sorted[place] != wanted)
+        if len(unknown):
+            raise InputError(f"has a cell with the point {wanted[unknown[0]]}, which is not in the file")
+        return self._order[place]
+
+
+def _datasets(data: bytes) -> list[tuple[str, list[bytes]]]:
+    """Number and lines of each part between two lines of -1."""
+    marks = [(found.start(), found.end()) for found in re.finditer(rb"^[ \t]*-1[ \t]*\r?$", data, re.MULTILINE)]
+    if not marks or len(marks) % 2:
+        raise InputError("ends within a dataset" if marks else "has no datasets between lines of -1")
+    parts = []
+    for (_, start), (end, _) in zip(marks[::2], marks[1::2], strict=True):
+        lines = data[start:end].strip(b"\r\n").splitlines()
+        parts.append((lines[0].decode("ascii", "replace").split()[0] if lines and lines[0].split() else "", lines[1:]))
+    return parts
+
+
+def _nodes(lines: list[bytes], *, lines_each: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Labels and coordinates, whose exponents Fortran writes with a D."""
+    if lines_each == 1:
+        table = plain_numbers.parse(_fortran(lines)).reshape(len(lines), -1)
+        return table[:, 0].astype(np.int64), table[:, 4:7]
+    if len(lines) % 2:
+        raise InputError("ends within a point")
+    labels = plain_numbers.parse(b" ".join(lines[::2]), np.int64).reshape(len(lines) // 2, -1)[:, 0]
+    return labels, plain_numbers.parse(_fortran(lines[1::2])).reshape(len(labels), 3)
+
+
+def _fortran(lines: list[bytes]) -> bytes:
+    return b" ".join(lines).replace(b"D", b"E").replace(b"d", b"e")

@@ -1,0 +1,185 @@
+"""The arrays of an XDMF file, and the references from one of its elements to another."""
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.errors import InputError
+from wct_plugin.io import plain_numbers
+from wct_plugin.io.companions import companion
+
+_KINDS = {"int": "i", "uint": "u", "float": "f", "char": "i", "uchar": "u", "short": "i", "ushort": "u"}
+#: Bytes of a number where the file does not say.
+_BYTES = {"int": 4, "uint": 4, "float": 4, "char": 1, "uchar": 1, "short": 2, "ushort": 2}
+_STEP = re.compile(r"(?P<name>\*|\w+)(?P<conditions>(\[[^]]*\])*)")
+_CONDITION = re.compile(
+    r"\[\s*(?:(?P<place>\d+)|@(?P<key>\w+)\s*=\s*(?P<q>[\"'])(?P<value>.*?)(?P=q)|(?P<self>self::.*?))\s*\]"
+)
+
+
+class XdmfFile:
+    """An XDMF file with the files of numbers that lie beside or below it; a context that closes these."""
+
+    def __init__(self, path: Path, root: ET.Element) -> None:
+        self.path, self.root = path, root
+        self._open: dict[Path, Any] = {}
+
+    def __enter__(self) -> "XdmfFile":
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        for file in self._open.values():
+            file.close()
+
+    def find(self, path: str) -> list[ET.Element]:
+        """The elements at a path such as ``/Xdmf/Domain/Grid[@Name='mesh']/*[self::Topology or self::Geometry]``."""
+        here = [self.root]
+        found = re.fullmatch(r"(?:xpointer|element)\((.*)\)", path.strip())
+        path = found[1] if found else path.strip()
+        if path.startswith("//"):
+            here, path = [self.root, *self.root.iter()], path[2:]
+        elif path.startswith("/"):
+            first, _, path = path[1:].partition("/")
+            if first not in (self.root.tag, "*"):
+                return []
+        for step in _steps(path):
+            here = _follow(here, step)
+        return here
+
+    def resolved(self, element: ET.Element) -> ET.Element:
+        """The element, or the one that it refers to by ``Reference``."""
+        seen: list[ET.Element] = []
+        while (reference := element.get("Reference")) is not None and element not in seen:
+            seen.append(element)
+            path = (element.text or "") if reference.strip().upper() == "XML" else reference
+            found = self.find(path)
+            if not found:
+                raise InputError(f"refers to {path.strip()!r}, where there is nothing")
+            element = found[0]
+        if element in seen:
+            raise InputError(f"has a {element.tag} that refers to itself")
+        return element
+
+    def children(self, grid: ET.Element) -> list[ET.Element]:
+        """The elements in a grid, with what it includes from elsewhere in the file in its place."""
+        made = []
+        for child in grid:
+            if child.tag != "include":
+                made.append(self.resolved(child))
+                continue
+            if child.get("href"):
+                raise InputError(f"includes the file {child.get('href')!r}; allowed is what the file itself holds")
+            found = self.find(child.get("xpointer", ""))
+            if not found:
+                raise InputError(f"includes {child.get('xpointer')!r}, where there is nothing")
+            made += [self.resolved(element) for element in found]
+        return made
+
+    def values(self, item: ET.Element) -> NDArray[Any]:
+        """The numbers of a ``DataItem``, in its shape and this machine's byte order."""
+        item = self.resolved(item)
+        kind = item.get("ItemType", "Uniform")
+        if kind == "HyperSlab":
+            return self._slab(item)
+        if kind != "Uniform":
+            raise InputError(f"has a DataItem of ItemType {kind!r}; allowed are Uniform and HyperSlab")
+        text = (item.text or "").strip()
+        match item.get("Format", "XML").upper():
+            case "HDF":
+                array = self._from_hdf(text)
+            case "XML":
+                dtype = _dtype(item)
+                array = plain_numbers.parse(text.encode(), np.float64 if dtype.kind == "f" else np.int64).astype(dtype)
+            case "BINARY":
+                array = self._from_bytes(text, item)
+            case other:
+                raise InputError(f"has a DataItem of Format {other!r}; allowed are HDF, XML and Binary")
+        shape = _shape(item)
+        if shape and int(np.prod(shape)) != array.size:
+            raise InputError(f"has a DataItem of {array.size} numbers but announces {' x '.join(map(str, shape))}")
+        return array.reshape(shape or array.shape)
+
+    def _from_hdf(self, text: str) -> NDArray[Any]:
+        import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
+
+        name, colon, inside = text.rpartition(":")
+        if not colon:
+            raise InputError(f"has the DataItem {text[:60]!r}; expected FILE:/PATH")
+        path = companion(self.path, name)
+        if path not in self._open:
+            self._open[path] = h5py.File(path, "r")
+        if inside not in self._open[path]:
+            raise InputError(f"names {inside!r} in {name}, where there is nothing")
+        link = self._open[path].get(inside, getlink=True)
+        data = self._open[path][inside]
+        if isinstance(link, h5py.ExternalLink) or Path(data.file.filename) != path or getattr(data, "external", None):
+            raise InputError(f"names {inside!r} in {name}, which is kept in another file")
+        array = np.asarray(data[()])
+        return array.astype(array.dtype.newbyteorder("="))
+
+    def _from_bytes(self, text: str, item: ET.Element) -> NDArray[Any]:
+        order: Any = {"Big": ">", "Little": "<"}.get(item.get("Endian", ""), "=")
+        dtype = _dtype(item).newbyteorder(order)
+        path = companion(self.path, text)
+        with path.open("rb") as file:
+            file.seek(int(item.get("Seek", "0")))
+            array = np.frombuffer(file.read(int(np.prod(_shape(item))) * dtype.itemsize), dtype)
+        return array.astype(dtype.newbyteorder("="))
+
+    def _slab(self, item: ET.Element) -> NDArray[Any]:
+        """A part of an array: start, stride and count along each axis."""
+        chosen, whole = item.findall("DataItem")
+        array = self.values(whole)
+        starts, strides, counts = self.values(chosen).astype(np.int64).reshape(3, -1)
+        ends = starts + strides * counts
+        if (
+            len(starts) != array.ndim
+            or (starts < 0).any()
+            or (strides < 1).any()
+            or (ends - strides >= array.shape).any()
+        ):
+            raise InputError("has a HyperSlab that reaches beyond its array")
+        part = array[tuple(slice(a, b, step) for a, b, step in zip(starts, ends, strides, strict=True))]
+        return part.reshape(_shape(item) or part.shape)
+
+
+def _shape(item: ET.Element) -> tuple[int, ...]:
+    return tuple(int(word) for word in item.get("Dimensions", "").split())
+
+
+def _dtype(item: ET.Element) -> np.dtype[Any]:
+    kind = (item.get("DataType") or item.get("NumberType") or "Float").lower()
+    if kind not in _KINDS:
+        raise InputError(f"has a DataItem of the type {kind!r}; allowed are {', '.join(_KINDS)}")
+    return np.dtype(f"{_KINDS[kind]}{int(item.get('Precision') or _BYTES[kind])}")
+
+
+def _steps(path: str) -> list[str]:
+    """The steps of a path; a slash in brackets or quotes parts nothing."""
+    return [step for step in re.findall(r"(?:\[(?:'[^']*'|\"[^\"]*\"|[^]])*\]|[^/\[])+", path) if step.strip()]
+
+
+def _follow(here: list[ET.Element], step: str) -> list[ET.Element]:
+    found = _STEP.fullmatch(step.strip())
+    if not found:
+        raise InputError(f"refers to {step!r}; allowed are names, [NUMBER], [@NAME='VALUE'] and [self::NAME]")
+    made = []
+    for element in here:
+        children = [child for child in element if found["name"] in ("*", child.tag)]
+        for condition in re.findall(r"\[[^]]*\]", found["conditions"]):
+            asked = _CONDITION.fullmatch(condition)
+            if not asked:
+                raise InputError(f"refers to {condition!r}; allowed are [NUMBER], [@NAME='VALUE'] and [self::NAME]")
+            if asked["place"]:
+                children = children[int(asked["place"]) - 1 : int(asked["place"])]
+            elif asked["key"]:
+                children = [child for child in children if child.get(asked["key"]) == asked["value"]]
+            else:
+                names = [part.strip().removeprefix("self::") for part in asked["self"].split(" or ")]
+                children = [child for child in children if child.tag in names]
+        made += children
+    return made

@@ -1,0 +1,129 @@
+"""What can be made a mesh, and what a mesh can be made: chosen by the type's name, so that no library is imported.
+
+>>> as_mesh((points, tets))  # doctest: +SKIP
+>>> converted(mesh, "meshio")  # doctest: +SKIP
+"""
+
+import os
+from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from wct_plugin.errors import ObjectError, OptionError
+from wct_plugin.io import read
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+
+
+@dataclass(frozen=True)
+class Library:
+    """Who holds meshes in what; ``from_NAME`` and ``to_NAME`` are in the module ``NAME_meshes`` of this package."""
+
+    name: str
+    package: str  #: where its types are defined
+    types: tuple[str, ...]  #: their names; subclasses count too
+    called: str  #: in messages
+    fills: bool = True  #: whether it holds tets, and so what becomes of a surface that is filled
+
+    def function(self, direction: str) -> Any:
+        """``from_NAME`` or ``to_NAME``."""
+        return getattr(import_module(f"wct_plugin.objects.{self.name}_meshes"), f"{direction}_{self.name}")
+
+    def takes(self, obj: Any) -> bool:
+        """Whether an object is one of its types, or the library itself where that has a current model."""
+        if isinstance(obj, ModuleType):
+            return "model" in self.types and obj.__name__ == self.package
+        kinds = obj.__mro__ if isinstance(obj, type) else type(obj).__mro__
+        if isinstance(obj, type) and "model" not in self.types:
+            return False
+        return any(kind.__module__.partition(".")[0] == self.package and kind.__name__ in self.types for kind in kinds)
+
+
+ARRAYS = Library("arrays", "", (), "(points, tets) or (points, tets, regions)")
+LIBRARIES = (
+    ARRAYS,
+    Library("meshio", "meshio", ("Mesh",), "meshio.Mesh"),
+    Library("pyvista", "pyvista", ("DataSet",), "pyvista.UnstructuredGrid, pyvista.PolyData"),
+    Library("pyvista", "vtkmodules", ("vtkUnstructuredGrid", "vtkPolyData"), "vtkUnstructuredGrid, vtkPolyData"),
+    Library("skfem", "skfem", ("MeshTet1",), "skfem.MeshTet"),
+    Library("gmsh", "gmsh", ("model",), "gmsh (its current model)"),
+    Library("pymeshlab", "pymeshlab", ("MeshSet", "Mesh"), "pymeshlab.MeshSet", fills=False),
+    Library("trimesh", "trimesh", ("Trimesh",), "trimesh.Trimesh", fills=False),
+    Library("dolfinx", "dolfinx", ("Mesh",), "dolfinx.mesh.Mesh or (mesh, cell_tags, facet_tags)", fills=False),
+)
+#: What :func:`converted` makes.
+TARGETS = ("arrays", "meshio", "pyvista", "skfem", "gmsh", "pymeshlab", "trimesh")
+
+
+def library_of(obj: Any) -> Library | None:
+    """Whose object it is; None for ours, for names of files, and for what nobody here knows."""
+    if isinstance(obj, tuple | list):
+        if obj and (first := library_of(obj[0])) and first.name == "dolfinx":
+            return first
+        return ARRAYS if len(obj) in (2, 3) and not any(isinstance(one, str | dict) for one in obj) else None
+    return next((one for one in LIBRARIES if one.takes(obj)), None)
+
+
+def as_mesh(obj: Any) -> TetMesh | SurfaceMesh:
+    """Make a mesh of what people hold; one of ours stays what it is, and a file of that name is read.
+
+    Parameters
+    ----------
+    obj : object
+        ``(points, tets)``, ``(points, tets, regions)``, ``(points, triangles)``, a ``meshio.Mesh``, a pyvista or VTK
+        grid or surface, a ``skfem.MeshTet``, the module ``gmsh`` for its current model, a ``pymeshlab.MeshSet``, a
+        ``trimesh.Trimesh``, a dolfinx mesh or its tuple with tags, or the name of a file.
+
+    Returns
+    -------
+    TetMesh or SurfaceMesh
+        On arrays of its own; ``obj`` is left as it is.
+
+    Raises
+    ------
+    ObjectError
+        For any other object, naming those that can be taken.
+    InputError
+        If it holds no mesh of tets or triangles.
+    """
+    if isinstance(obj, TetMesh | SurfaceMesh):
+        return obj
+    if isinstance(obj, str | os.PathLike):
+        return read(os.fspath(obj))
+    library = library_of(obj)
+    if library is None:
+        raise ObjectError(f"cannot make a mesh of {called(obj)}; allowed are {taken()}")
+    mesh: TetMesh | SurfaceMesh = library.function("from")(obj)
+    return mesh
+
+
+def converted(mesh: TetMesh | SurfaceMesh, to: str) -> Any:
+    """Make what ``to`` says of a mesh, one of :data:`TARGETS`; raises :class:`OptionError` for another."""
+    if to not in TARGETS:
+        raise OptionError(f"to is {to!r}; allowed are {', '.join(TARGETS)}")
+    return next(one for one in LIBRARIES if one.name == to).function("to")(mesh)
+
+
+def like(mesh: TetMesh | SurfaceMesh, obj: Any) -> Any:
+    """Make of a mesh what ``obj`` is; a mesh of ours where that is a file or cannot hold it, as a surface's tets."""
+    library = library_of(obj)
+    if library is None or (isinstance(mesh, TetMesh) and not library.fills):
+        return mesh
+    if library is ARRAYS:
+        return library.function("to")(mesh)[: len(obj)]
+    return library.function("to")(mesh)
+
+
+def taken() -> str:
+    """All that can be made a mesh, in words."""
+    return "; ".join(["the name of a mesh file", "TetMesh, SurfaceMesh", *(one.called for one in LIBRARIES)])
+
+
+def called(obj: Any) -> str:
+    """What an object is, with its library, in words."""
+    if isinstance(obj, ModuleType):
+        return f"the module {obj.__name__}"
+    kind = type(obj)
+    package = kind.__module__.partition(".")[0]
+    name = kind.__name__ if package == "builtins" else f"{package}.{kind.__name__}"
+    return f"a {name} of {len(obj)}" if isinstance(obj, tuple | list) else f"a {name}"

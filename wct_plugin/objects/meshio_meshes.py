@@ -1,0 +1,87 @@
+"""``meshio.Mesh`` as mesh and back; the conventions are those of the files that meshio reads."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wct_plugin.io import formats
+from wct_plugin.io.meshio_modules import meshio_module
+from wct_plugin.io.meshio_readers import raw_mesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.objects.assembled import assembled, not_carried
+from wct_plugin.types import Ints
+
+_PHYSICAL = "gmsh:physical"
+
+
+def from_meshio(mesh: Any) -> TetMesh | SurfaceMesh:
+    """Make a mesh of a ``meshio.Mesh``, as :func:`wct_plugin.read` does of the file that meshio read it from."""
+    gmsh = next(form for form in formats.FORMATS if form.name == "gmsh")
+    return assembled(raw_mesh(mesh), gmsh if _PHYSICAL in mesh.cell_data else formats.MESHIO, "meshio.Mesh")
+
+
+def to_meshio(mesh: TetMesh | SurfaceMesh) -> Any:
+    """Make a ``meshio.Mesh``: tets, then tagged facets, edges and vertices, or the triangles of a surface.
+
+    Tags are the array they came from (``gmsh:physical`` without other), names are ``field_data``, sets are sets. Arrays
+    are zero or NaN where a kind of cell lacks them.
+    """
+    blocks = _blocks(mesh)
+    lost: list[str] = []
+    cell_data = _filled(blocks, lost)
+    names: Mapping[str, tuple[int, int]] = mesh.names if isinstance(mesh, TetMesh) else {}
+    if names or any(tags.any() for _, _, tags, _, _ in blocks):
+        tag_name = mesh.tag_name if isinstance(mesh, TetMesh) else _PHYSICAL
+        if cell_data.pop(tag_name, None) is not None:
+            lost.append(f"cell data {tag_name!r}, whose name is that of the tags")
+        cell_data[tag_name] = [np.array(tags) for _, _, tags, _, _ in blocks]
+    sets = {
+        name: [np.array(one[4].get(name, np.empty(0, dtype=np.int64))) for one in blocks]
+        for name in dict.fromkeys(name for one in blocks for name in one[4])
+    }
+    if isinstance(mesh, TetMesh) and mesh.periodic:
+        lost.append("which sides are periodic")
+    not_carried("meshio.Mesh", lost)
+    return meshio_module().Mesh(
+        np.array(mesh.points),
+        [(kind, np.array(cells)) for kind, cells, _, _, _ in blocks],
+        point_data={name: np.array(values) for name, values in mesh.point_data.items()},
+        cell_data=cell_data,
+        point_sets={name: np.array(ids) for name, ids in mesh.point_sets.items()} if isinstance(mesh, TetMesh) else {},
+        cell_sets=sets,
+        field_data={name: np.array(pair, dtype=np.int64) for name, pair in names.items()},
+    )
+
+
+_Block = tuple[str, Ints, Ints, Mapping[str, NDArray[Any]], Mapping[str, Ints]]
+
+
+def _blocks(mesh: TetMesh | SurfaceMesh) -> list[_Block]:
+    """Kind, cells, tags, data and sets of each kind of cell there is."""
+    if isinstance(mesh, SurfaceMesh):
+        return [("triangle", mesh.triangles, mesh.tags, mesh.cell_data, {})]
+    tagged = (("triangle", mesh.facets), ("line", mesh.edges), ("vertex", mesh.nodes))
+    return [
+        ("tetra", mesh.tets, mesh.regions, mesh.cell_data, mesh.tet_sets),
+        *((kind, one.vertices, one.tags, one.data, one.sets) for kind, one in tagged if len(one)),
+    ]
+
+
+def _filled(blocks: list[_Block], lost: list[str]) -> dict[str, list[NDArray[Any]]]:
+    """Every array for every block, as meshio wants it."""
+    out: dict[str, list[NDArray[Any]]] = {}
+    for name in dict.fromkeys(name for _, _, _, data, _ in blocks for name in data):
+        owners = [data[name] for _, _, _, data, _ in blocks if name in data]
+        tails = {values.shape[1:] for values in owners}
+        if len(tails) > 1:
+            lost.append(f"cell data {name!r}, of other widths on other cells")
+            continue
+        dtype = np.result_type(*owners)
+        fill = np.nan if dtype.kind in "fc" else np.zeros((), dtype)
+        out[name] = [
+            np.array(data[name], dtype=dtype) if name in data else np.full((len(cells), *min(tails)), fill, dtype)
+            for _, cells, _, data, _ in blocks
+        ]
+    return out
