@@ -95,6 +95,7 @@ def test_a_record_holds_what_was_done(done):
             "most": None,
             "losses": [],
             "stopped": False,
+            "exhausted": False,
         }
     ]
     assert "apply_coord_well_centering" in good["metrics"]

@@ -16,6 +16,7 @@ from wct_plugin.meshing.reference import own_boundary
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
 from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.meshing.tet_limit import TetLimit
+from wct_plugin.meshing.work_limit import WorkLimit
 
 FACES = ((0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0))
 
@@ -124,7 +125,9 @@ def test_a_partial_restart_keeps_the_fixed_face(acute, monkeypatch):
     held = HeldSurface.of(own, stays, stays)
     listen = Listener(lambda _: True, 0)
     fixed, within = np.flatnonzero(stays), Tolerance(1e-3)
-    search = LocalSearch(acute, "move", True, 0.02, 1, 0, listen, TetLimit(None, listen), held, fixed)
+    search = LocalSearch(
+        acute, "move", True, 0.02, 1, 0, listen, TetLimit(None, listen), WorkLimit(len(acute.tets), 1), held, fixed
+    )
     start = search.resampled(own, within, Lengths())
     found = search.run(start, own, within)
     corner = found["points"][found["tets"]].mean(axis=1).sum(axis=1).argmin()  # beside the face

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import gmsh
+import numpy as np
 
 from wct_plugin.io import read
 from wct_plugin.mesh import TetMesh
@@ -48,6 +50,73 @@ def embedded(folder: Path, build: Callable[[], list[tuple[int, int]]], size: flo
         gmsh.model.addPhysicalGroup(dimension, sorted(inside), 2)
 
     return _mesh_of(folder, model, size)
+
+
+def joined_cubes(folder: Path, shift: tuple[float, float, float], size: float, *, regions: int) -> TetMesh:
+    """Two unit cubes, one of them shifted, conforming where they touch, as one region or two."""
+
+    def model() -> None:
+        one, other = (gmsh.model.occ.addBox(*corner, 1, 1, 1) for corner in ((0, 0, 0), shift))
+        gmsh.model.occ.fragment([(3, one)], [(3, other)])
+        gmsh.model.occ.synchronize()
+        volumes = [volume for _, volume in gmsh.model.getEntities(3)]
+        for number in range(regions):
+            gmsh.model.addPhysicalGroup(3, volumes[number::regions], number + 1)
+
+    return _mesh_of(folder, model, size)
+
+
+def random_body(folder: Path, seed: int) -> TetMesh:
+    """Two to twelve turned boxes and cylinders in a heap, each piece they cut each other into a region of its own.
+
+    Of those that are drawn the first with at most twelve pieces and no dihedral angle below 25 degrees.
+    """
+    random = np.random.default_rng(seed)
+    while True:
+        count = int(random.integers(2, 13))
+        drawn = [(random.random(3) * 1.2, random.uniform(0.4, 0.9, 3), random.normal(size=3), random.uniform(0, 3.1))
+                 for _ in range(count)]  # fmt: skip
+        round_ones = random.random(count) < 0.4
+        size = float(random.uniform(0.12, 0.2))
+
+        def build(drawn: Any = drawn, round_ones: Any = round_ones) -> None:
+            occ = gmsh.model.occ
+            for (at, sides, axis, angle), is_round in zip(drawn, round_ones, strict=True):
+                tag = occ.addCylinder(*at, 0, 0, sides[2], 0.5 * sides[0]) if is_round else occ.addBox(*at, *sides)
+                occ.rotate([(3, tag)], *at, *axis, angle)
+
+        try:
+            mesh = meshed(folder, build, size)
+        except Exception:  # gmsh gives no class of its own to what it cannot mesh; draw another
+            continue
+        if len(np.unique(mesh.regions)) <= 12 and _sharpest(mesh) >= 25.0:
+            return mesh
+
+
+def _sharpest(mesh: TetMesh) -> float:
+    """The smallest angle, in degrees, that a region fills at an edge where its surface bends by more than 25."""
+    topology = mesh.topology
+    half = np.concatenate(
+        [topology.boundary_half_facets, topology.interface_pairs[:, :2], topology.interface_pairs[:, 2:]]
+    )
+    least = 180.0
+    for tag in np.unique(mesh.regions):
+        triangles = topology.triangles_of(half[mesh.regions[half[:, 0]] == tag])
+        corners = mesh.points[triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        owner = np.repeat(np.arange(len(triangles)), 3)
+        order = np.lexsort(edges.T)
+        edges, owner = edges[order], owner[order]
+        same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+        first, second = owner[same], owner[same + 1]
+        apex = triangles[second].sum(axis=1) - edges[same].sum(axis=1)
+        above = ((mesh.points[apex] - mesh.points[edges[same, 0]]) * normals[first]).sum(axis=1) > 1e-12
+        bend = np.degrees(np.arccos(np.clip((normals[first] * normals[second]).sum(axis=1), -1, 1)))
+        inner = np.where(above, 180.0 + bend, 180.0 - bend)
+        least = min(least, float(inner.min()))
+    return least
 
 
 def _mesh_of(folder: Path, model: Callable[[], None], size: float) -> TetMesh:

@@ -2,7 +2,7 @@
 
 #: Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. From 6 to 14
 #: of them take a microsecond, so that all together ends within 5 s and 5 ms per tet of CPU time, about.
-_BASE = 35_000_000
+_BASE = 50_000_000
 _PER_TET = 35_000
 #: What making a start costs, in evaluations per tet of it.
 _START = 1_500

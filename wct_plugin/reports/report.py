@@ -13,6 +13,8 @@ from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
 from wct_plugin.measure import duals, fidelity, planes, quality, released_creases, shape_floor
 from wct_plugin.measure.deviation import measure_deviation
+from wct_plugin.measure.joints import Joints, count_joints
+from wct_plugin.measure.joints import describe as describe_joints
 from wct_plugin.measure.negative_duals import NegativeDuals, count_negative_duals
 from wct_plugin.measure.quality import Quality
 from wct_plugin.measure.shape_floor import ShapeFloor
@@ -72,6 +74,7 @@ class Report:
     regions: Mapping[int, int]  #: region tag -> number of tets
     boundary_facets: int
     components: int  #: parts that no facet joins
+    joints: Joints  #: where the boundary meets itself
     repairs: Repairs
     volume: float
     ranges: Mapping[str, tuple[float, float]]  #: min and max of h/R, face_angle, dihedral_angle (degrees), R/l
@@ -98,6 +101,7 @@ class Report:
             "regions": {str(tag): count for tag, count in self.regions.items()},
             "boundary_facets": self.boundary_facets,
             "components": self.components,
+            "joints": self.joints,
             "repairs": vars(self.repairs),
             "volume": self.volume,
             "ranges": {name: {"min": low, "max": high} for name, (low, high) in self.ranges.items()},
@@ -234,6 +238,7 @@ def make_report(
         np.bincount(places[mask], minlength=len(PLACES)) for mask in (slice(None), ~flags["3wc"], ~flags["cwc"])
     )
     found = found or {}
+    joints = count_joints(mesh)
     return Report(
         source=mesh.source,
         points=len(mesh.points),
@@ -241,6 +246,7 @@ def make_report(
         regions={int(tag): int(count) for tag, count in zip(tags, counts, strict=True)},
         boundary_facets=len(mesh.topology.boundary),
         components=int(mesh.topology.components.max()) + 1,
+        joints=joints,
         repairs=mesh.repairs,
         volume=float(measured.volume.sum()),
         ranges={name: (float(low.min()), float(high.max())) for name, (low, high) in ranges.items()},
@@ -261,12 +267,13 @@ def make_report(
         remaining=found.get("remaining"),
         shape=found.get("shape"),
         certificate=certificate.certify(mesh) if exact else None,
-        notes=_notes(found),
+        notes=_notes(found, joints),
     )
 
 
-def _notes(found: Mapping[str, Any]) -> tuple[str, ...]:
+def _notes(found: Mapping[str, Any], joints: Joints) -> tuple[str, ...]:
     lines = (
+        describe_joints(joints),
         "the mesh meets the goal already; it stays as it is (--force makes it anew)" if found.get("kept") else "",
         shape_floor.describe(found["shape"]) if "shape" in found else "",
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
