@@ -119,7 +119,7 @@ class MeshingOptions(Options):
     )
     max_tets: int | None = Field(None, ge=1, description="Most tets that the new mesh may have (none: any number)")
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
-    effort: int = Field(1, ge=1, le=100, description="Multiplies the greatest number of tries")
+    effort: int = Field(1, ge=1, le=100, description="Multiplies the work after which the search ends")
     seed: int = Field(0, ge=0, description="Of the random choices")
     allow_released: bool = Field(
         False,
@@ -168,7 +168,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Where that is stuck, it goes on for longer, then starts again with shorter edges there, five times at most; if few
-    tets are, the rest stays.
+    tets are, the rest stays. All that ends after so much work, counted, as takes about 5 s and 5 ms per tet of CPU
+    time; ``effort`` multiplies it.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Planes, straight creases and corners at them are kept exactly, and those that a file rounded are put right first;
     but for those smaller than 28 tolerances and 3 % of the diagonal: these move within the tolerance, as all that is
