@@ -11,8 +11,11 @@ import pytest
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read, write
+from wct_plugin.io.assembly import to_mesh
 from wct_plugin.io.formats import FORMATS
-from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.io.gmsh_sections import KINDS
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
+from wct_plugin.mesh import Cells, TetMesh, cell_kinds
 from wct_plugin.mesh.other_cells import OtherCells, find_contact
 
 DATA = Path(__file__).parents[1] / "data"
@@ -188,3 +191,63 @@ def test_shared_points_must_stay():
         )
     with pytest.raises(InputError, match=r"cell 0 is .*; indices must lie in 0\.\.2"):
         OtherCells(POINTS[:3], np.full(3, -1), {"wedge": Cells(np.array([WEDGE]))})
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
+def test_voxels_are_hexahedra_beside_tets(suffix: str, tmp_path: Path) -> None:
+    """VTK's voxel, type 11, counts its corners row by row."""
+    path = tmp_path / f"a{suffix}"
+    points = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)] + [[0.2, 0.3, 3]], dtype=float)
+    given = meshio.Mesh(points, [("tetra", [[4, 5, 6, 8]]), ("hexahedron", [list(range(8))])])
+    meshio.write(path, given, binary=False)
+    head, types, tail = path.read_text().partition('Name="types"' if suffix == ".vtu" else "CELL_TYPES")
+    path.write_text(head + types + tail.replace("12", "11"))
+    (hexahedron,) = read(path).others.cells["hexahedron"].vertices.tolist()
+    assert hexahedron == [0, 1, 3, 2, 4, 5, 7, 6]
+
+
+@pytest.mark.parametrize("kind", ["wedge15", "hexahedron20", "pyramid13", "quad8"])
+def test_other_cells_of_second_order_share_mid_nodes_with_tets(kind, tmp_path):
+    """A tet with mid nodes on a face of a cell with mid nodes: the file has one node on each edge they share."""
+    plain = cell_kinds.base(kind)
+    corners = {
+        "wedge15": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]],
+        "hexahedron20": POINTS[:8].tolist(),
+        "pyramid13": [*POINTS[:4].tolist(), [0.5, 0.5, 1]],
+        "quad8": POINTS[:4].tolist(),
+    }[kind]
+    base = {"wedge15": [3, 4, 5], "pyramid13": [0, 1, 4], "hexahedron20": [4, 5, 6], "quad8": [0, 1, 2]}[kind]
+    tip = np.mean([corners[k] for k in base], axis=0) + [0, -1.5 if kind == "pyramid13" else 0, 1.2]
+    points = np.array([*corners, tip], dtype=float)
+    edges = [(i, j) for i, j in cell_kinds.EDGES[plain]]
+    tet = [*base, len(corners)]
+    rims = [*edges, *((tet[i], tet[j]) for i, j in cell_kinds.EDGES["tetra"])]
+    ends = list(dict.fromkeys(tuple(sorted(edge)) for edge in rims))
+    middle = {edge: len(points) + k for k, edge in enumerate(ends)}
+    nodes = np.vstack([points, [points[list(edge)].mean(axis=0) for edge in ends]])
+    whole = [*range(len(corners)), *(middle[tuple(sorted(edge))] for edge in edges)]
+    ten = tet + [middle[tuple(sorted((tet[i], tet[j])))] for i, j in cell_kinds.EDGES["tetra"]]
+    raw = RawMesh(nodes, [RawBlock("tetra10", np.array([ten])), RawBlock(kind, np.array([whole]))])
+    mesh = to_mesh(raw, FORMATS[0], [], "")
+    assert len(mesh.points) == 4
+    write(tmp_path / "a.msh", mesh)
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(tmp_path / "a.msh"))
+        assert len(gmsh.model.mesh.getNodes()[0]) == len(nodes)
+        number = KINDS[kind][1]
+        _, found = gmsh.model.mesh.getElementsByType(number)
+        at = gmsh.model.mesh.getElementProperties(number)[4].reshape(-1, 3 if KINDS[kind][0] == 3 else 2)
+        ids, xyz, _ = gmsh.model.mesh.getNodes()
+        place = dict(zip(ids.tolist(), xyz.reshape(-1, 3), strict=True))
+        seen = np.array([place[node] for node in found.tolist()])
+        # gmsh's own reference element, corners to ours: every mid node is half way between the same two.
+        for k in range(len(corners), len(seen)):
+            i, j = next(
+                (i, j) for i in range(len(corners)) for j in range(i) if np.allclose(at[k], 0.5 * (at[i] + at[j]))
+                and frozenset((i, j)) in {frozenset(edge) for edge in edges}
+            )  # fmt: skip
+            assert np.allclose(seen[k], 0.5 * (seen[i] + seen[j]), atol=1e-12)
+    finally:
+        gmsh.finalize()

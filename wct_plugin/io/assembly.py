@@ -69,6 +69,8 @@ def to_mesh(
     if not len(kinds[main].cells):
         raise InputError("has neither tets nor triangles")
     points = np.asarray(raw.points)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3, or 2 in the plane")
     if form.name == "VTK":  # VTK keeps blanks in names as %20
         for kind in kinds.values():
             kind.data = {unquote(name): values for name, values in kind.data.items()}
@@ -112,18 +114,16 @@ def to_mesh(
 
 
 def _in_space(points: NDArray[Any]) -> NDArray[Any]:
-    """Points (n, 3); those of a plane, which have two coordinates, get a third of zero."""
-    if points.ndim != 2 or points.shape[1] not in (2, 3):
-        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3, or 2 in the plane")
-    return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
+    """The points; those of a plane, which have two coordinates, with a third of zero."""
+    flat = points.ndim == 2 and points.shape[1] == 2
+    return np.column_stack([points, np.zeros(len(points))]) if flat else points
 
 
 def _without_stray(
     points: NDArray[Any], faces: _Kind, point_data: dict[str, NDArray[Any]], notes: list[str]
 ) -> tuple[NDArray[Any], dict[str, NDArray[Any]]]:
     """Leave out points that are no numbers where no triangle has them."""
-    keep = np.isfinite(points).all(axis=1)
-    keep[faces.cells] = True
+    keep = np.isfinite(points).all(axis=1) | np.isin(np.arange(len(points)), faces.cells)
     if keep.all():
         return points, point_data
     count = int((~keep).sum())

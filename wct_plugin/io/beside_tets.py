@@ -36,7 +36,7 @@ def cells_of(mesh: TetMesh) -> dict[str, Cells]:
 
 
 def tagged_cells(mesh: TetMesh) -> dict[str, Cells]:
-    """All cells but the tets by kind, on :func:`points_of`: what is tagged on tets together with what is not on them."""
+    """All cells but the tets by kind, on :func:`points_of`: what is tagged on tets with the other cells of its kind."""
     beside = cells_of(mesh)
     own = {"triangle": mesh.facets, "line": mesh.edges, "vertex": mesh.nodes}
     every = {kind: together(cells, beside.pop(kind, None)) for kind, cells in own.items()} | beside

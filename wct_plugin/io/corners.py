@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.mesh import cell_kinds
+from wct_plugin.mesh.mesh import check_range
 from wct_plugin.mesh.second_order import find_curved
 from wct_plugin.types import Bools, Floats
 
@@ -32,6 +33,8 @@ def corners_only(raw: RawMesh) -> tuple[RawMesh, CurvedEdges | None]:
     fine = [block for block in raw.cells if _is_fine(block)]
     if not fine:
         return raw, None
+    for block in raw.cells:
+        check_range(np.asarray(block.data), len(raw.points))
     blocks = [_with_corners(block) if _is_fine(block) else block for block in raw.cells]
     notes = raw.notes
     second = [block for block in fine if cell_kinds.base(block.type) == "tetra"]

@@ -1,4 +1,4 @@
-"""In which order formats count the nodes of a cell, where they do not count as VTK does."""
+"""In which order formats count the nodes of a cell, where they do not count as meshio, which is mostly VTK's way."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,24 @@ _MED = {
     "tetra": [0, 2, 1, 3], "pyramid": [0, 3, 2, 1, 4], "wedge": [0, 2, 1, 3, 5, 4],
     "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
 }  # fmt: skip
+#: VTK's linear wedge is mirrored, as its quadratic one and all others' are not.
+_VTK = {"wedge": [0, 2, 1, 3, 5, 4]}
+#: Exodus: the edges between bottom and top before those of the top; VTK's node k is Exodus's of the same row.
+_EXODUS = {
+    "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
+    "hexahedron27": [*range(12), *range(16, 20), *range(12, 16), 23, 24, 25, 26, 21, 22, 20],
+    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
+}
+
+
+def in_vtk(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (k, d) with their nodes as VTK itself counts them; of cells that count so, as all others do."""
+    return cells[:, _VTK[kind]] if kind in _VTK else cells
+
+
+def from_exodus(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (k, d) of an Exodus file with their nodes as meshio counts them."""
+    return cells[:, _EXODUS[kind]] if kind in _EXODUS else cells
 
 
 def in_gmsh(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -26,7 +44,7 @@ def in_gmsh(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def in_med(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells (k, d) with their nodes as MED counts them; of cells that count so, as VTK does."""
+    """Cells (k, d) with their nodes as MED counts them; of cells that count so, as meshio does."""
     base = cell_kinds.base(kind)
     if base not in _MED:
         return cells

@@ -37,8 +37,7 @@ def read(path: str | Path, *, repair: bool = False) -> TetMesh | SurfaceMesh:
     Warns
     -----
     WctWarning
-        For what the file has and the mesh cannot hold, by name; and for what was done to it, such as quads split or tets
-        dropped.
+        For what the file has and the mesh cannot hold, by name; and for what was done to it: quads split, tets dropped.
 
     Raises
     ------

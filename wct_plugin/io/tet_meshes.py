@@ -10,7 +10,7 @@ from wct_plugin.errors import InputError, NoMeshError
 from wct_plugin.io.corners import CurvedEdges
 from wct_plugin.mesh import Cells, TetMesh, cell_kinds, faults, second_order
 from wct_plugin.mesh.index_arrays import find_rows
-from wct_plugin.mesh.mesh import Repairs
+from wct_plugin.mesh.mesh import Repairs, check_range
 from wct_plugin.mesh.other_cells import OtherCells, facets_at, find_contact
 from wct_plugin.mesh.repair import mend
 from wct_plugin.mesh.topology import EDGES
@@ -40,6 +40,8 @@ def assemble(parts: Parts, curved: CurvedEdges | None, notes: list[str], *, repa
 
     Raises :class:`NoMeshError`, which lists the faults, for broken tets unless ``repair`` mends them.
     """
+    for cells in parts.cells.values():
+        check_range(cells.vertices, len(parts.points))
     repairs = _repaired(parts, notes) if repair else Repairs()
     others = _others(parts) if parts.others else None
     tets = parts.cells["tetra"]
@@ -77,9 +79,7 @@ def assemble(parts: Parts, curved: CurvedEdges | None, notes: list[str], *, repa
 
 
 def _faults(points: Floats, tets: Ints) -> faults.Faults | None:
-    if not len(tets) or tets.min() < 0 or tets.max() >= len(points):
-        return None
-    return faults.find(points, tets)
+    return faults.find(points, tets) if len(tets) else None
 
 
 def _repaired(parts: Parts, notes: list[str]) -> Repairs:

@@ -140,7 +140,7 @@ class _Block:
 def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[str]]:
     """What of the mesh the format can carry, as meshio wants it, and the names of all else."""
     lost: list[str] = []
-    if isinstance(mesh, TetMesh) and mesh.others and not set(mesh.others.volumes) & set(form.others):
+    if isinstance(mesh, TetMesh) and mesh.others and not set(mesh.others.cells) & set(form.others):
         lost += [f"{len(cells)} {_called(kind)}" for kind, cells in mesh.others.cells.items()]
         mesh = replace(mesh, others=None)
     blocks = [block for block in _blocks(mesh) if _fits(block, form, lost)]

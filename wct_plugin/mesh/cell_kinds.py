@@ -1,4 +1,4 @@
-"""Kinds of cells by meshio's names: how many corners, which faces and edges; corners and mid nodes as VTK counts them.
+"""Kinds of cells by meshio's names: how many corners, which faces and edges; nodes are counted as meshio does.
 
 A name ends with the number of nodes where there are more than corners: ``tetra10``, ``wedge15``.
 """

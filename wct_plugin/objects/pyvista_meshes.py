@@ -9,6 +9,7 @@ from wct_plugin.errors import InputError
 from wct_plugin.io import mid_nodes
 from wct_plugin.io.assembly import NAME, TAGS
 from wct_plugin.io.formats import PYVISTA
+from wct_plugin.io.node_orders import in_vtk
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.writer import contents
 from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
@@ -57,7 +58,7 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     raw = RawMesh(
         np.asarray(grid.points),
         [
-            RawBlock(kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])])
+            RawBlock(kind, in_vtk(kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])]))
             for kind, code in present
         ],
         point_data={name: np.asarray(values) for name, values in grid.point_data.items()},
@@ -89,7 +90,7 @@ def to_pyvista(mesh: TetMesh | SurfaceMesh) -> pv.UnstructuredGrid | pv.PolyData
         triangles: Any = content.cells[0][1]  # its own type says "int", which no array of NumPy's is
         dataset = pv.PolyData.from_regular_faces(content.points, triangles)
     else:
-        rows = [np.insert(cells, 0, cells.shape[1], axis=1).ravel() for _, cells in content.cells]
+        rows = [np.insert(in_vtk(kind, cells), 0, cells.shape[1], axis=1).ravel() for kind, cells in content.cells]
         types = [np.full(len(cells), _TYPES[kind], dtype=np.uint8) for kind, cells in content.cells]
         dataset = pv.UnstructuredGrid(np.concatenate(rows), np.concatenate(types), content.points)
     for name, values in content.point_data.items():
