@@ -211,6 +211,13 @@ def test_what_the_mesh_finds_names_the_file(points: Any, tets: Any, said: str, t
     assert refusal(tmp_path / "a.vtu") == said
 
 
+def test_what_stands_beyond_counts_of_tetgen_is_said(tmp_path: Path) -> None:
+    (tmp_path / "a.node").write_text("4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 1 1 1\n5 1 1 2\n# made by hand\n")
+    (tmp_path / "a.ele").write_text("1 4 0\n0 0 1 2 3\n")
+    with pytest.warns(WctWarning, match=r"not read: 2 lines of a\.node beyond its count"):
+        assert len(read(tmp_path / "a.ele").points) == 4
+
+
 def test_a_ten_node_tetgen_file(tmp_path: Path) -> None:
     (tmp_path / "a.node").write_text("1 3 0 0\n0 0 0 0\n")
     (tmp_path / "a.ele").write_text("1 10 0\n0 0 0 0 0 0 0 0 0 0 0\n")

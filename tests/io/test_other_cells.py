@@ -217,7 +217,7 @@ def test_other_cells_of_second_order_share_mid_nodes_with_tets(kind, tmp_path):
         "quad8": POINTS[:4].tolist(),
     }[kind]
     base = {"wedge15": [3, 4, 5], "pyramid13": [0, 1, 4], "hexahedron20": [4, 5, 6], "quad8": [0, 1, 2]}[kind]
-    tip = np.mean([corners[k] for k in base], axis=0) + [0, -1.5 if kind == "pyramid13" else 0, 1.2]
+    tip = [*np.mean([corners[k] for k in base], axis=0), 0, -1.5 if kind == "pyramid13" else 0, 1.2]
     points = np.array([*corners, tip], dtype=float)
     edges = [(i, j) for i, j in cell_kinds.EDGES[plain]]
     tet = [*base, len(corners)]
@@ -226,7 +226,7 @@ def test_other_cells_of_second_order_share_mid_nodes_with_tets(kind, tmp_path):
     middle = {edge: len(points) + k for k, edge in enumerate(ends)}
     nodes = np.vstack([points, [points[list(edge)].mean(axis=0) for edge in ends]])
     whole = [*range(len(corners)), *(middle[tuple(sorted(edge))] for edge in edges)]
-    ten = tet + [middle[tuple(sorted((tet[i], tet[j])))] for i, j in cell_kinds.EDGES["tetra"]]
+    ten = [*tet, *(middle[tuple(sorted((tet[i], tet[j])))] for i, j in cell_kinds.EDGES["tetra"])]
     raw = RawMesh(nodes, [RawBlock("tetra10", np.array([ten])), RawBlock(kind, np.array([whole]))])
     mesh = to_mesh(raw, FORMATS[0], [], "")
     assert len(mesh.points) == 4
