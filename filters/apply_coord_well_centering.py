@@ -44,7 +44,8 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
 
     No tet is ever inverted and never fewer tets contain their circumcenter than before. Sliding vertices stay on the
     surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
-    between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners.
+    between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners. Vertices
+    shared with other cells stay.
     The metrics say which tets miss the goal, and what in the connectivity or the boundary provably rules it out.
     """
 
@@ -63,6 +64,9 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
         surface = find_strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
         stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
+        if mesh.others:
+            stratum = stratum.copy()
+            stratum[mesh.others.shared[mesh.others.shared >= 0]] = 3  # these points stay
         tolerance = np.inf if options.tolerance is None else options.tolerance * normalized.diagonal
         points, report = _core.move_vertices(
             normalized.points,

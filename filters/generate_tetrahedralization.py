@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from wct_plugin.adapters import ftetwild, tetgen
+from wct_plugin.measure.planar import check_not_planar
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import Progress, ProgressCallback
@@ -75,6 +76,7 @@ class GenerateTetrahedralization(FilterStage[TetrahedralizationOptions]):
     example: ClassVar[dict[str, Any]] = {"edge_length": 0.1}
 
     def run(self, mesh: SurfaceMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        check_not_planar(mesh)
         options = self.options.model_dump(exclude={"mesher"})
         if self.options.mesher == "tetgen":
             progress(Progress("TetGen", 0.0))

@@ -29,9 +29,11 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.periodic import find_periodic
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.meshing import (
+    beside,
     boundary_choice,
     coincident,
     conforming,
+    curved,
     edge_length,
     parts_work,
     planes,
@@ -65,6 +67,9 @@ if TYPE_CHECKING:  # the stubs' names are not in the module
     from wct_plugin.core._core import SearchedArrays
 
 
+_LARGEST_TOLERANCE = 0.1
+
+
 class MeshingOptions(Options):
     """What may change, how near the surface must stay, and how hard to try."""
 
@@ -83,7 +88,7 @@ class MeshingOptions(Options):
     tolerance: float | None = Field(
         None,
         gt=0,
-        le=0.1,
+        le=_LARGEST_TOLERANCE,
         description="Greatest distance from the reference, both ways, as a fraction of the diagonal"
         " (none: 1e-3, or the sag of the reference's own facets if larger)",
     )
@@ -187,6 +192,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     A mesh that meets the goal, with its boundary within the tolerance, stays as it is, to the bit, also where it falls
     short of the margin; ``force`` or an edge length makes it anew.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
+    Hexahedra, wedges and pyramids stay as they are, and so do the facets that tets share with them. Tets with mid nodes
+    are worked on by their corners; where they are curved the boundary stays near the curved surface.
     The unit of length is no matter: bounding boxes of 1e-90 to 1e90 across are taken, others are refused.
     """
 
@@ -203,6 +210,36 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         self._share_of_all = 1.0  # of the tets, where a mesh is worked on part by part
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
+        tets = beside.alone(mesh)
+        one = copy(self)
+        one.options = self.options.model_copy(
+            update={"boundary": tets.boundary(self.options.boundary), "tolerance": self._tolerance_of_curved(mesh)}
+        )
+        made, metrics = one._improve(tets.mesh, progress)
+        return tets.together(made), {**tets.metrics(metrics), "default_tolerance": self.options.tolerance is None}
+
+    def _tolerance_of_curved(self, mesh: TetMesh) -> float | None:
+        """The tolerance, which without one is as on straight tets: what the facets between the corners sag by."""
+        of = mesh.second_order
+        if self.options.tolerance is not None or of is None or not of.curved or self._surface:
+            return self.options.tolerance
+        unit_scaling.check(mesh)
+        straight = unit_scaling.scaled(replace(mesh, reference=None), -unit_scaling.exponent(mesh.points))
+        return min(own_boundary(straight, self.options.crease_angle).auto_tolerance(), _LARGEST_TOLERANCE)
+
+    def _put_on_curved(self, made: TetMesh, found: "_Found", unit: int) -> "tuple[TetMesh, _Found]":
+        """The mesh with its vertices on the curved surface, where that leaves as many tets good."""
+        of, options = made.second_order, self.options
+        stays = found.work["kept"] or found.work["stopped"] or self._surface
+        if stays or of is None or not of.curved or options.goal == "delaunay" or options.goal == "one-sided":
+            return made, found
+        given = unit_scaling.scaled(made, -unit)
+        moved = curved.on_surface(given, options.goal, options.margin, options.crease_angle)
+        if moved is given or overlap(moved):
+            return made, found
+        return unit_scaling.scaled(moved, unit), found._replace(measured=quality.measure(moved))
+
+    def _improve(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:
         unit_scaling.check(mesh)
         if self.options.merge == "all":
             mesh = coincident.merged(mesh)
@@ -225,6 +262,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             own, better, found = self._in_parts(mesh, zipped, surface, wanted, progress, tangled=tangled is not None)
         else:
             own, better, found = self._whole(mesh, surface, wanted, progress, tangled=tangled is not None)
+        better, found = self._put_on_curved(better, found, unit)
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         result = self._judge(mesh, own, better, found, followed, tolerance)
@@ -232,7 +270,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             **result,
             **found.work,
             "tolerance": tolerance / (surface or mesh).diagonal,
-            "default_tolerance": self.options.tolerance is None,
         }
 
     def _wants_pairs(self, mesh: TetMesh) -> bool:
@@ -556,6 +593,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         surface = _outer(followed) if other else new.reference
         kept = measure_fidelity(old, new, surface, enclosed_volumes(followed) if other else None)
         groups = measure_groups(old, new, stretch(old, own, found.on) if other else {})
+        if old.second_order and old.second_order.curved and not self._surface:
+            domain = curved.CurvedDomain(old, new)
+            kept, groups = domain.fidelity(kept), domain.groups(groups)
         boundaries = [(old.points, old.topology.boundary)]
         if other and surface is not None:
             boundaries.append((surface.points, surface.triangles))

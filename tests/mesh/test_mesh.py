@@ -8,8 +8,7 @@ from support.builders import jittered_cube, kuhn_cube, regular_tet
 
 from wct_plugin.errors import InputError
 from wct_plugin.exact import polynomial_signs
-from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.mesh import mesh as mesh_module
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, faults
 from wct_plugin.mesh.mesh import Repairs
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], dtype=float)
@@ -32,7 +31,7 @@ def facets(rows=((0, 1, 2),), **more):
             {"points": np.where(POINTS == 1, np.nan, POINTS)},
             "point 1 is (nan, 0, 0) (and 3 more); coordinates must be finite",
         ),
-        ({"points": np.vstack([POINTS, [[0, np.inf, 0]]])}, "point 5 is (0, inf, 0); coordinates must be finite"),
+        ({"points": np.vstack([POINTS[:4], [[0, np.inf, 0]]])}, "point 4 is (0, inf, 0); coordinates must be finite"),
         ({"tets": TETS[:, :3]}, "tets have shape (2, 3); allowed is (m, 4)"),
         ({"tets": TETS.astype(float)}, "tets have dtype float64; allowed are integers"),
         ({"tets": np.empty((0, 4), dtype=int)}, "the mesh has no tetrahedra; at least one is needed"),
@@ -70,10 +69,13 @@ def test_refusals_name_what_was_found_and_what_is_allowed(changes, message):
     ("make", "message"),
     [
         (
-            lambda: Cells(np.zeros((1, 4), dtype=int)),
-            "tagged cells have shape (1, 4); allowed is (k, 1), (k, 2) or (k, 3)",
+            lambda: Cells(np.zeros((1, 0), dtype=int)),
+            "tagged cells have shape (1, 0); allowed is (k, number of vertices of each)",
         ),
-        (lambda: Cells(np.zeros(3, dtype=int)), "tagged cells have shape (3,); allowed is (k, 1), (k, 2) or (k, 3)"),
+        (
+            lambda: Cells(np.zeros(3, dtype=int)),
+            "tagged cells have shape (3,); allowed is (k, number of vertices of each)",
+        ),
         (lambda: facets(tags=[1, 2]), "triangle tags have shape (2,); allowed is (1,)"),
         (lambda: facets(data={"x": [1, 2]}), "triangle data 'x' has shape (2,); its length must be 1"),
         (lambda: facets(sets={"s": [1]}), "triangle set 's' must be a list of indices in 0..0"),
@@ -240,8 +242,8 @@ def test_huge_and_tiny_coordinates_are_fine():
 
 def test_repeated_tets_are_found_whatever_the_keys_and_chunks(monkeypatch):
     """Keys only say where to look: with ones that hardly differ, in chunks of two, the same tets are found."""
-    monkeypatch.setattr(mesh_module, "_CHUNK", 2)
-    monkeypatch.setattr(mesh_module, "_MIX", np.ones(4, dtype=np.uint64))
+    monkeypatch.setattr(faults, "_CHUNK", 2)
+    monkeypatch.setattr(faults, "_MIX", np.ones(4, dtype=np.uint64))
     monkeypatch.setattr(polynomial_signs, "_CHUNK", 2)
     cube = jittered_cube(2, 0)
     turned = cube.tets.copy()

@@ -12,6 +12,7 @@ from wct_plugin.measure import quality
 from wct_plugin.measure.duals import compute_duals
 from wct_plugin.measure.negative_duals import count_negative_duals
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.mesh.mesh import Repairs
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.reports.report import make_report
@@ -46,7 +47,7 @@ def test_dict_of_a_mesh():
     assert found["regions"] == {"0": len(mesh.tets)}
     assert found["boundary_facets"] == len(mesh.topology.boundary)
     assert found["components"] == 1
-    assert found["repairs"] == {"flipped": 0, "orphan_points": 0, "stray_cells": 0}
+    assert found["repairs"] == vars(Repairs())
     assert found["volume"] == pytest.approx(measured.volume.sum())
     assert found["ranges"]["h/R"] == {"min": measured.min_height.min(), "max": measured.max_height.max()}
     assert found["ranges"]["face_angle"]["max"] == measured.max_face_angle.max()

@@ -6,7 +6,7 @@ from typing import Any, get_args
 import click
 from pydantic.fields import FieldInfo
 
-from wct_plugin.pipeline.readers_writers import FileOptions, MeshFileOptions
+from wct_plugin.pipeline.readers_writers import FileOptions, MeshFileOptions, SourceOptions
 from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.pipeline.stage_page import choices, describe_default, describe_range
 
@@ -48,6 +48,18 @@ def msh_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return _options(_msh_fields(), MSH_PREFIX)(command)
 
 
+def repair_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate a command with ``--repair``."""
+    shown = f"{SourceOptions.model_fields['repair'].description}; a warning counts them"
+    return click.option("--repair", is_flag=True, help=shown)(command)
+
+
+def order_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate a command with ``--order``."""
+    shown = MeshFileOptions.model_fields["order"].description
+    return click.option("--order", type=click.IntRange(1, 2), help=shown)(command)
+
+
 def given_msh(values: dict[str, Any]) -> dict[str, Any]:
     """Take those of the command's ``values`` that are for writing gmsh files out, and give the ones that were set."""
     found = {option: values.pop(_parameter(option, MSH_PREFIX)) for option in _msh_fields()}
@@ -56,7 +68,7 @@ def given_msh(values: dict[str, Any]) -> dict[str, Any]:
 
 def _msh_fields() -> dict[str, FieldInfo]:
     fields = MeshFileOptions.model_fields
-    return {option: field for option, field in fields.items() if option not in FileOptions.model_fields}
+    return {option: field for option, field in fields.items() if option not in (*FileOptions.model_fields, "order")}
 
 
 def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

@@ -21,7 +21,7 @@ from wct_plugin.pipeline.flow import side_by_side
 from wct_plugin.pipeline.graph import Step, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
-from wct_plugin.pipeline.stage import FilterStage, Mesh, Options, find_filter
+from wct_plugin.pipeline.stage import FilterStage, Options, find_filter
 
 #: The filters ``wct optimize`` may run, the default first.
 OPTIMIZERS = ("meshing_well_centered", "apply_coord_well_centering")
@@ -42,7 +42,9 @@ _MESHER_PREFIX = "mesher_"
 )
 @filter_options.filter_options(*OPTIMIZERS)
 @filter_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
+@filter_options.order_option
 @filter_options.msh_options
+@filter_options.repair_option
 @time_limit_option
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option(
@@ -57,6 +59,8 @@ def optimize(
     source: str,
     target: str,
     optimizer_name: str,
+    order: int | None,
+    repair: bool,
     seconds: float | None,
     json_path: str | None,
     html_path: str | None,
@@ -77,12 +81,15 @@ def optimize(
         for path, form in ((json_path, "json"), (html_path, "html"))
         if path not in (None, "-")
     ]
-    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **filter_options.given_msh(values)), *reports]
+    writers: list[Writer[FileOptions]] = [
+        WriteMesh(filename=target, **({"order": order} if order else {}), **filter_options.given_msh(values)),
+        *reports,
+    ]
     for writer in writers:  # before the file is read, which may take long
         writer.validate()
         writer.check_takes(TetMesh)
 
-    mesh = read(source)
+    mesh = read(source, repair=repair)
     filters = [optimizer]
     if isinstance(mesh, SurfaceMesh):
         filters = [mesher, optimizer]
@@ -90,13 +97,13 @@ def optimize(
         flag = filter_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
-        chain = _optimizing(source, filters, writers)
+        chain = _optimizing(ReadMesh(filename=source, **({"repair": True} if repair else {})), filters, writers)
         with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))
         return GOAL_MET
     with unplaced_errors(), progress_bar() as progress:
-        result = _optimizing(mesh, filters, writers).execute(limit.beside(progress))
+        result = _optimizing(ReadMesh(filename=mesh), filters, writers).execute(limit.beside(progress))
     optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
     flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
     if json_path == "-":
@@ -111,12 +118,12 @@ def optimize(
 
 
 def _optimizing(
-    source: str | Mesh, filters: Sequence[FilterStage[Options]], writers: Sequence[Writer[FileOptions]]
+    reader: ReadMesh, filters: Sequence[FilterStage[Options]], writers: Sequence[Writer[FileOptions]]
 ) -> Pipeline:
     """What ``wct optimize`` runs: the last of ``filters`` is the one that stands between before and after."""
     tags = ("before", "after") if len(writers) > 1 else ("", "")
     mesh_writer, *report_writers = writers
     *made, optimizer = filters
-    *others, last = (ReadMesh(filename=source), *made)
+    *others, last = (reader, *made)
     steps = [*map(Step, others), Step(last, tags[0]), Step(optimizer), Step(mesh_writer, tags[1])]
     return Pipeline([*steps, *(Step(writer, inputs=tags) for writer in report_writers)])

@@ -6,19 +6,27 @@ from dataclasses import replace
 from pathlib import PurePath
 
 import click
+from rich.text import Text
 
 from wct_plugin.cli import filter_options
-from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED
-from wct_plugin.cli.output import check_outputs, print_report, print_side_by_side, write_text
+from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
+from wct_plugin.cli.output import check_outputs, print_report, print_side_by_side, table, write_text
+from wct_plugin.errors import OptionError
 from wct_plugin.io import read
+from wct_plugin.measure import planar
+from wct_plugin.measure.goals import DUAL
+from wct_plugin.measure.planar import PlanarReport
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.reports import html_report, json_schema
 from wct_plugin.reports.report import Report, make_report
 
 
-def _read(source: str, reference: SurfaceMesh | None) -> TetMesh:
-    mesh = read(source)
+def _read(source: str, reference: SurfaceMesh | None, *, repair: bool) -> TetMesh | SurfaceMesh:
+    """A tet mesh, or triangles in a plane."""
+    mesh = read(source, repair=repair)
+    if isinstance(mesh, SurfaceMesh) and planar.is_planar(mesh):
+        return mesh
     find_filter("get_quality").check_takes(type(mesh))
     assert isinstance(mesh, TetMesh)
     return mesh if reference is None else replace(mesh, reference=reference)
@@ -29,7 +37,9 @@ def _surface(source: str) -> SurfaceMesh:
     return mesh if isinstance(mesh, SurfaceMesh) else mesh.boundary_surface()
 
 
-def _meets(report: Report, goal: str | None) -> bool:
+def _meets(report: Report | PlanarReport, goal: str | None) -> bool:
+    if isinstance(report, PlanarReport):
+        return goal is None or report.acute == report.triangles
     if report.certificate:
         return report.certificate.valid if goal is None else report.certificate.meets(goal)
     if goal is not None and not report.tiers.valid:
@@ -59,6 +69,7 @@ def _meets(report: Report, goal: str | None) -> bool:
 )
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
 @click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
+@filter_options.repair_option
 @click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of reports and end")
 def report(
     sources: Sequence[str],
@@ -68,9 +79,13 @@ def report(
     goal: str | None,
     exact: bool,
     reference: str | None,
+    repair: bool,
     print_schema: bool,
 ) -> int:
-    """Measure tet meshes, several side by side: ranges, tiers, flags, histograms, the worst tets with their place."""
+    """Measure tet meshes, several side by side: ranges, tiers, flags, histograms, the worst tets with their place.
+
+    Of triangles in a plane it says how many are acute.
+    """
     if print_schema:
         write_text("-", json_schema.text())
         return GOAL_MET
@@ -82,17 +97,46 @@ def report(
     if html_path:
         html_report.check_available()
     surface = _surface(reference) if reference else None
-    meshes = [_read(source, surface) for source in sources]
-    reports = [make_report(mesh, worst, exact=exact) for mesh in meshes]
+    meshes = [_read(source, surface, repair=repair) for source in sources]
+    _check_planar(meshes, html_path, goal)
+    reports = [
+        make_report(mesh, worst, exact=exact) if isinstance(mesh, TetMesh) else planar.measure(mesh) for mesh in meshes
+    ]
     if html_path:
         title = ", ".join(PurePath(source).name for source in sources)
-        write_text(html_path, html_report.html(reports, title, meshes=meshes))
+        tets = [mesh for mesh in meshes if isinstance(mesh, TetMesh)]
+        write_text(html_path, html_report.html(_of_tets(reports), title, meshes=tets))
     if json_path:
         found = [one.to_dict() for one in reports]
         write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
     if json_path != "-":
-        if len(reports) == 1:
-            print_report(*reports)
-        else:
-            print_side_by_side(reports)
+        _print(reports)
     return GOAL_MET if all(_meets(one, goal) for one in reports) else GOAL_MISSED
+
+
+def _check_planar(meshes: Sequence[TetMesh | SurfaceMesh], html_path: str | None, goal: str | None) -> None:
+    """Refuse what there is only of tets."""
+    for mesh in meshes:
+        if isinstance(mesh, SurfaceMesh) and html_path:
+            raise OptionError(f"{mesh.source}: --html is for tets; of triangles in a plane there are text and --json")
+        if isinstance(mesh, SurfaceMesh) and goal in DUAL:
+            raise OptionError(
+                f"{mesh.source}: --goal {goal} is for tets; of triangles in a plane 3wc and cwc ask for acute"
+            )
+
+
+def _of_tets(reports: Sequence[Report | PlanarReport]) -> list[Report]:
+    return [one for one in reports if isinstance(one, Report)]
+
+
+def _print(reports: Sequence[Report | PlanarReport]) -> None:
+    tets = _of_tets(reports)
+    if len(tets) == 1:
+        print_report(*tets)
+    elif tets:
+        print_side_by_side(tets)
+    for one in reports:
+        if isinstance(one, PlanarReport):
+            out.print(Text(one.headline(), style="bold"))
+            out.print(table("Triangles in a plane", ("", ""), one.rows()))
+            out.print(Text(planar.NOT_OPTIMISED.partition(";")[0]))

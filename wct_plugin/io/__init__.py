@@ -7,12 +7,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from wct_plugin.io.mid_nodes import check_order
     from wct_plugin.io.reader import read
     from wct_plugin.io.writer import check_groups, write
 
-_HOMES = {"check_groups": "writer", "read": "reader", "write": "writer"}
+_HOMES = {"check_groups": "writer", "check_order": "mid_nodes", "read": "reader", "write": "writer"}
 
-__all__ = ["check_groups", "read", "write"]
+__all__ = ["check_groups", "check_order", "read", "write"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,6 +1,6 @@
 """What a file holds, kind of cell by kind of cell, becomes a :class:`TetMesh` or a :class:`SurfaceMesh`."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 from urllib.parse import unquote
 
@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import formats
+from wct_plugin.io.corners import corners_only
 from wct_plugin.io.periodic_sides import is_periodic
 from wct_plugin.io.polygons import as_triangles
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
+from wct_plugin.io.tet_meshes import Parts, assemble
+from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, cell_kinds
 
 #: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
 ENTITIES = "gmsh:geometrical"
@@ -25,6 +27,7 @@ TAG_SET = "TAG_"
 #: Physical names are stored in VTU files as field data (tag, dimension) of this name.
 NAME = "name:"
 
+#: Kinds that a mesh is made of; what stands beside tets is of others.
 _WIDTH = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}
 #: Arrays of meshio's own making, of no meaning after reading.
 _PRIVATE = ("gmsh:dim_tags", "gmsh:bounding_entities", "facet_normals")
@@ -35,6 +38,7 @@ class _Kind:
     """All blocks of one kind of cell, put together."""
 
     cells: NDArray[np.int64]
+    dimension: int
     data: dict[str, NDArray[Any]] = field(default_factory=dict)
     sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     tags: NDArray[np.int64] | None = None
@@ -44,12 +48,21 @@ class _Kind:
 
 
 def to_mesh(
-    raw: RawMesh, form: formats.Format, lost: list[str], source: str, tags: tuple[str, ...] = TAGS
+    raw: RawMesh,
+    form: formats.Format,
+    lost: list[str],
+    source: str,
+    tags: tuple[str, ...] = TAGS,
+    *,
+    repair: bool = False,
 ) -> TetMesh | SurfaceMesh:
     """Make a mesh of what a file holds; ``lost`` grows by what a mesh cannot hold, ``tags`` may be the array of tags.
 
-    Raises :class:`InputError` for cells of other kinds, and where there is neither tet nor triangle.
+    ``repair``: broken tets are dropped or mended. What was done to what the file holds goes to ``raw.notes``.
+    Raises :class:`InputError` for volumes without a tet, and where there is neither tet nor triangle.
     """
+    notes = raw.notes
+    raw, curved = corners_only(replace(raw, points=_in_space(np.asarray(raw.points))))
     raw = as_triangles(raw)
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
@@ -57,7 +70,7 @@ def to_mesh(
         raise InputError("has neither tets nor triangles")
     points = np.asarray(raw.points)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3")
+        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3, or 2 in the plane")
     if form.name == "VTK":  # VTK keeps blanks in names as %20
         for kind in kinds.values():
             kind.data = {unquote(name): values for name, values in kind.data.items()}
@@ -83,21 +96,16 @@ def to_mesh(
     _drop_repeated_sets(kinds, names)
     if main == "triangle":
         faces = kinds["triangle"]
+        points, point_data = _without_stray(points, faces, point_data, notes)
         lost += [f"{len(kinds[kind].cells)} {kind} cells" for kind in ("line", "vertex") if len(kinds[kind].cells)]
         lost += [f"set {name!r}" for name in [*faces.sets, *point_sets]] + [f"name {name!r}" for name in names]
         return SurfaceMesh(points, faces.cells, faces.tags, point_data, faces.data, source)  # type: ignore[arg-type]
-    tets = kinds["tetra"]
-    return TetMesh(
-        points,
-        tets.cells,
-        tets.tags,  # type: ignore[arg-type]  # None stands for zeros
-        facets=kinds["triangle"].as_cells(),
-        edges=kinds["line"].as_cells(),
-        nodes=kinds["vertex"].as_cells(),
-        point_data=point_data,
-        cell_data=tets.data,
-        point_sets=point_sets,
-        tet_sets=tets.sets,
+    parts = Parts(points, {which: kind.as_cells() for which, kind in kinds.items()}, point_data, point_sets)
+    return assemble(
+        parts,
+        curved,
+        notes,
+        repair=repair,
         names=names,
         tag_name=tag_name,
         source=source,
@@ -105,19 +113,53 @@ def to_mesh(
     )
 
 
+def _in_space(points: NDArray[Any]) -> NDArray[Any]:
+    """The points; those of a plane, which have two coordinates, with a third of zero."""
+    flat = points.ndim == 2 and points.shape[1] == 2
+    return np.column_stack([points, np.zeros(len(points))]) if flat else points
+
+
+def _without_stray(
+    points: NDArray[Any], faces: _Kind, point_data: dict[str, NDArray[Any]], notes: list[str]
+) -> tuple[NDArray[Any], dict[str, NDArray[Any]]]:
+    """Leave out points that are no numbers where no triangle has them."""
+    keep = np.isfinite(points).all(axis=1) | np.isin(np.arange(len(points)), faces.cells)
+    if keep.all():
+        return points, point_data
+    count = int((~keep).sum())
+    notes.append(f"{count} point{'s' * (count > 1)} of no triangle, with coordinates that are no numbers, dropped")
+    faces.cells = (np.cumsum(keep) - 1)[faces.cells]
+    return points[keep], {name: values[keep] for name, values in point_data.items()}
+
+
+def _widths(raw: RawMesh) -> dict[str, int]:
+    """How many points cells have, by kind: the kinds of a mesh, and those beside tets."""
+    widths = dict(_WIDTH)
+    has_tets = any(block.type == "tetra" and len(block) for block in raw.cells)
+    for block in raw.cells:
+        if block.type in _WIDTH or not len(block):
+            continue
+        if cell_kinds.dimension(block.type) == 3 and not has_tets:
+            raise InputError(
+                f"has {len(block)} {block.type} cells and no tet; tets are needed, beside which other cells may stand"
+            )
+        if cell_kinds.dimension(block.type) < 1 or not has_tets:
+            raise InputError(f"has {len(block)} {block.type} cells; allowed are tetra, triangle, line and vertex")
+        widths[block.type] = np.asarray(block.data).shape[1]
+    return widths
+
+
 def _kinds(raw: RawMesh) -> dict[str, _Kind]:
     """Per kind of cell all of meshio's blocks as one, with their data and sets."""
-    for block in raw.cells:
-        if block.type not in _WIDTH and len(block):
-            raise InputError(f"has {len(block)} {block.type} cells; allowed are tetra, triangle, line and vertex")
     families = raw.families
     kinds = {}
-    for kind, width in _WIDTH.items():
+    for kind, width in _widths(raw).items():
         blocks = [k for k, block in enumerate(raw.cells) if block.type == kind and len(block)]
         if not blocks:
-            kinds[kind] = _Kind(np.empty((0, width), dtype=np.int64))
+            kinds[kind] = _Kind(np.empty((0, width), dtype=np.int64), cell_kinds.dimension(kind))
             continue
-        made = _Kind(np.concatenate([np.asarray(raw.cells[k].data) for k in blocks]).astype(np.int64))
+        rows = np.concatenate([np.asarray(raw.cells[k].data) for k in blocks])
+        made = _Kind(rows.astype(np.int64), cell_kinds.dimension(kind))
         for name, values in raw.cell_data.items():
             if name not in _PRIVATE and any(values[k] is not None for k in blocks):
                 made.data[str(name)] = _native(_joined([(values[k], len(raw.cells[k])) for k in blocks]))
@@ -179,7 +221,7 @@ def _merge_repeated(kind: _Kind, names: dict[str, tuple[int, int]]) -> None:
     place = np.argsort(order)[place.ravel()]  # where each cell is among those kept
     again = np.ones(len(kind.cells), dtype=bool)
     again[keep] = False
-    dimension = kind.cells.shape[1] - 1
+    dimension = kind.dimension
     kind.sets = {name: np.unique(place[ids]) for name, ids in kind.sets.items()}
     for tag in np.unique(kind.tags[again]).tolist():
         name = next((name for name, pair in names.items() if pair == (tag, dimension)), str(tag))
@@ -229,7 +271,7 @@ def _drop_repeated_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int
             if members is None:
                 continue
             tag, dimension = names.get(name, (0, -1))
-            group = tag and dimension == _WIDTH[which] - 1 and kind.tags is not None
+            group = tag and dimension == kind.dimension and kind.tags is not None
             repeats = group and np.array_equal(np.sort(members), np.flatnonzero(kind.tags == tag))
             if repeats or (not len(members) and (somewhere or name in names or which != "tetra")):
                 del kind.sets[name]

@@ -9,6 +9,19 @@ from pathlib import Path
 from wct_plugin.errors import InputError, OutputError, WctError
 
 _ALL = ("tetra", "triangle", "line", "vertex")
+_SOLID = ("hexahedron", "wedge", "pyramid", "quad")
+#: Those with a node in the middle of each edge; and with more on faces and inside.
+_SECOND = ("hexahedron20", "wedge15", "pyramid13", "quad8")
+_MORE = ("hexahedron27", "quad9")
+#: Kinds of cells that formats can carry beside tets, by the format's name.
+_OTHERS = {
+    **dict.fromkeys(("VTU", "VTK", "XDMF", "gmsh", "pyvista", "meshio"), _SOLID + _SECOND + _MORE),
+    **dict.fromkeys(("MED", "Nastran"), _SOLID + _SECOND),
+    **dict.fromkeys(("Medit", "SU2"), _SOLID),
+    "Abaqus": ("hexahedron", "wedge", "quad", "hexahedron20", "wedge15", "quad8"),
+}
+#: Formats of tets, triangles and lines with mid nodes.
+_SECOND_ORDER = ("VTU", "VTK", "XDMF", "gmsh", "MED", "Nastran", "Abaqus", "pyvista", "meshio")
 
 
 @dataclass(frozen=True)
@@ -32,6 +45,16 @@ class Format:
     def volume(self) -> bool:
         """Whether it can carry tets."""
         return "tetra" in self.cells
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """Kinds of cells that it can carry beside tets."""
+        return _OTHERS.get(self.name, ())
+
+    @property
+    def second_order(self) -> bool:
+        """Whether it can carry tets, triangles and lines with mid nodes."""
+        return self.name in _SECOND_ORDER
 
 
 FORMATS = (

@@ -50,7 +50,8 @@ def write(
             first += len(rows)
         end(file, binary, "Elements")
         entity = dict(zip((kind for kind, _ in cells), cell_data[OWN[1]], strict=True))
-        put_periodic(file, binary, "2.2", periodic, lambda row: int(entity["triangle"][row]))
+        facets = "triangle" if "triangle" in entity else "triangle6"
+        put_periodic(file, binary, "2.2", periodic, lambda row: int(entity[facets][row]))
         for name, values in point_data.items():
             put_data(file, binary, "NodeData", name, values)
         for name, columns in cell_data.items():

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import OutputError
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Content
+from wct_plugin.mesh import cell_kinds
 
 _CALLED = {"tetra": "tets", "triangle": "facets", "line": "edges", "vertex": "vertices"}
 
@@ -50,7 +51,8 @@ def settle(content: Content, msh: MshOptions) -> tuple[MshOptions, list[str]]:
     content.cell_data["gmsh:physical"] = list(first.values())
     content.groups = {}
     said_lost = [
-        f"group {_name(content, kind, tag)} lost {count} {_CALLED[kind]}" for (kind, tag), count in lost.items()
+        f"group {_name(content, kind, tag)} lost {count} {_CALLED.get(kind, f'{kind} cells')}"
+        for (kind, tag), count in lost.items()
     ]
     told = [f"each cell has its first group alone: {', '.join(said_lost)}"] if lost else []
     return replace(msh, version=msh.version or "2.2"), told
@@ -70,10 +72,10 @@ def _shared(content: Content, first: dict[str, NDArray[np.int64]]) -> str:
     for kind, groups in content.groups.items():
         several = [members[first[kind][members] != tag] for tag, members in groups.items()]
         count = len(np.unique(np.concatenate(several))) if several else 0
-        counts += [f"{count} {_CALLED[kind]}"] * bool(count)
+        counts += [f"{count} {_CALLED.get(kind, f'{kind} cells')}"] * bool(count)
     return " and ".join(counts)
 
 
 def _name(content: Content, kind: str, tag: int) -> str:
-    width = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}[kind]
-    return next(repr(name) for name, pair in content.names.items() if tuple(pair) == (tag, width - 1))
+    own = tag, cell_kinds.dimension(kind)
+    return next(repr(name) for name, pair in content.names.items() if tuple(pair) == own)

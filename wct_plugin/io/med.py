@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import med_fields
+from wct_plugin.io.node_orders import in_med
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: MED's kinds of cells by meshio's names.
@@ -77,7 +78,7 @@ def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
             raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(_KINDS)}")
         family = group["FAM"][()] if "FAM" in group else None
         for kind, cells, rows in blocks:
-            raw.cells.append(RawBlock(kind, cells.astype(np.int64)))
+            raw.cells.append(RawBlock(kind, in_med(kind, cells.astype(np.int64))))
             tags.append(None if family is None else family[rows])
             names.append(name)
     if any(column is not None for column in tags):

@@ -35,6 +35,7 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
                 raise InputError(warning)
         _check_count(raw, file, form)
         if form.name == "TetGen":
+            said += _beyond_counts(file)
             tetgen_face_file.add_facets(raw, file)
     return raw, said
 
@@ -85,10 +86,9 @@ def overheard() -> Iterator[list[str]]:
 def _check_ends(file: Path, form: Format) -> None:
     """Find damage that meshio's readers do not see or on which they would loop for ever."""
     if form.name == "TetGen":
-        for part in (file.with_suffix(".node"), file.with_suffix(".ele")):
-            with part.open() as lines:
-                if not any(line.strip() and not line.lstrip().startswith("#") for line in lines):
-                    raise InputError(f"{part.name} has no content")
+        for part in _tetgen_parts(file):
+            if not _content(part):
+                raise InputError(f"{part.name} has no content")
     elif form.name == "Medit" and file.suffix.lower() == ".mesh":
         if not re.search(r"^\s*End\s*$", file.read_text(), re.MULTILINE):
             raise InputError("does not end with 'End'; is it truncated?")
@@ -97,6 +97,23 @@ def _check_ends(file: Path, form: Format) -> None:
         count = int.from_bytes(data[80:84], "little")
         if len(data) != 84 + 50 * count and not data.rstrip().rpartition(b"\n")[2].lower().startswith(b"endsolid"):
             raise InputError("is neither text that ends with 'endsolid' nor binary of the length it declares")
+
+
+def _tetgen_parts(file: Path) -> tuple[Path, Path]:
+    return file.with_suffix(".node"), file.with_suffix(".ele")
+
+
+def _content(part: Path) -> list[str]:
+    """The lines of a file of TetGen's that are no comments."""
+    with part.open() as lines:
+        return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+
+
+def _beyond_counts(file: Path) -> list[str]:
+    """Lines that files of TetGen's have after as many as they announce, which meshio leaves out."""
+    found = {part.name: _content(part) for part in _tetgen_parts(file)}
+    extra = {name: len(lines) - 1 - int(lines[0].split()[0]) for name, lines in found.items()}
+    return [f"{count} lines of {name} beyond its count" for name, count in extra.items() if count > 0]
 
 
 def _bulk_data(file: Path) -> io.StringIO:

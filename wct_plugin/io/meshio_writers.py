@@ -4,7 +4,7 @@ import io
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -16,8 +16,13 @@ from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.io.meshio_readers import overheard
+from wct_plugin.io.node_orders import in_gmsh, in_med
 from wct_plugin.io.periodic_sides import PeriodicSides
-from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
+
+#: SU2's numbers of kinds of cells, which are VTK's.
+_SU2_VOLUMES = {"tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14}
+_SU2_FACES = {"triangle": 5, "quad": 9}
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -38,9 +43,16 @@ class Content:
 
     def mesh(self, **extra: Any) -> Any:
         """All of it but the names as a meshio mesh."""
-        return meshio_module().Mesh(
+        module: Any = meshio_module()
+
+        class Block(module.CellBlock):  # type: ignore[misc]  # whose own list of kinds is not whole
+            def __init__(self, kind: str, data: NDArray[np.int64]) -> None:
+                self.type, self.data, self.dim = kind, data, cell_kinds.dimension(kind)
+                self.tags: list[str] = []
+
+        return module.Mesh(
             self.points,
-            self.cells,
+            [Block(kind, cells) for kind, cells in self.cells],
             point_data=self.point_data,
             cell_data=self.cell_data,
             point_sets=self.point_sets,
@@ -84,7 +96,8 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
 
 def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:
     """Meshio's text has arrays that nothing reads, and its version 4.1 groups that neither gmsh nor meshio reads."""
-    points, cells, names = content.points, content.cells, content.names
+    points, names = content.points, content.names
+    cells = [(kind, in_gmsh(kind, rows)) for kind, rows in content.cells]
     point_data, cell_data, binary = content.point_data, content.cell_data, bool(msh.binary)
     periodic = content.periodic
     if msh.version == "4.1":
@@ -118,7 +131,8 @@ def _write_xdmf(path: Path, content: Content) -> None:
 def _write_med(path: Path, content: Content) -> None:
     """By way of memory, for the same reason."""
     buffer = io.BytesIO()
-    meshio_module("med").write(buffer, content.mesh())
+    cells = [(kind, in_med(kind, rows)) for kind, rows in content.cells]
+    meshio_module("med").write(buffer, replace(content, cells=cells).mesh())
     path.write_bytes(buffer.getvalue())
 
 
@@ -138,14 +152,22 @@ def _write_su2(path: Path, content: Content) -> None:
     with path.open("w") as file:
         file.write(f"NDIME= 3\nNPOIN= {len(content.points)}\n")
         file.writelines(f"{x!r} {y!r} {z!r}\n" for x, y, z in content.points.tolist())
-        file.write(f"NELEM= {len(cells['tetra'])}\n")
-        file.writelines("10 " + " ".join(map(str, tet)) + "\n" for tet in cells["tetra"].tolist())
-        markers = np.unique(tags.get("triangle", [])).tolist()
+        file.write(f"NELEM= {sum(len(cells[kind]) for kind in _SU2_VOLUMES if kind in cells)}\n")
+        for kind, number in _SU2_VOLUMES.items():
+            _put_su2(file, number, cells.get(kind))
+        faces = {kind: number for kind, number in _SU2_FACES.items() if kind in cells}
+        markers = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(tags[kind] for kind in faces)])).tolist()
         file.write(f"NMARK= {len(markers)}\n")
         for marker in markers:
-            faces = cells["triangle"][tags["triangle"] == marker]
-            file.write(f"MARKER_TAG= {marker}\nMARKER_ELEMS= {len(faces)}\n")
-            file.writelines("5 " + " ".join(map(str, face)) + "\n" for face in faces.tolist())
+            rows = {kind: cells[kind][tags[kind] == marker] for kind in faces}
+            file.write(f"MARKER_TAG= {marker}\nMARKER_ELEMS= {sum(map(len, rows.values()))}\n")
+            for kind, number in faces.items():
+                _put_su2(file, number, rows[kind])
+
+
+def _put_su2(file: TextIO, number: int, cells: NDArray[np.int64] | None) -> None:
+    if cells is not None:
+        file.writelines(f"{number} " + " ".join(map(str, cell)) + "\n" for cell in cells.tolist())
 
 
 def _add_names(path: Path, names: dict[str, NDArray[np.int64]]) -> None:

@@ -11,19 +11,23 @@ from wct_plugin.io.meshio_readers import load, refusing
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
-def read(path: str | Path) -> TetMesh | SurfaceMesh:
+def read(path: str | Path, *, repair: bool = False) -> TetMesh | SurfaceMesh:
     """Read a mesh in any format of :data:`~wct_plugin.io.formats.FORMATS`.
 
     Tets in the file make a :class:`TetMesh`, with the triangles, lines and vertices beside them as its tagged
-    facets, edges and nodes; triangles alone make a :class:`SurfaceMesh`. Integer tags come from the conventional
-    array of the format (``TAGS``); other arrays stay data, ``set:NAME`` arrays become named sets again. An array
-    that is all zero or all NaN on facets, edges or vertices, but not on the tets, is the filling that formats with
-    one array for all cells need, and is left out there.
+    facets, edges and nodes, and hexahedra, wedges, pyramids and quadrilaterals as its other cells; triangles alone make
+    a :class:`SurfaceMesh`. Of tets with mid nodes the corners are taken, and where they were curved is remembered.
+    Integer tags come from the conventional array of the format (``TAGS``); other arrays stay data, ``set:NAME`` arrays
+    become named sets again. An array that is all zero or all NaN on facets, edges or vertices, but not on the tets, is
+    the filling that formats with one array for all cells need, and is left out there.
 
     Parameters
     ----------
     path : str or Path
         The file; its suffix tells the format.
+    repair : bool, optional
+        Whether broken tets are dropped or mended: repeated ones, those with a vertex twice, those of zero volume. A
+        warning counts them. Without it they are refused.
 
     Returns
     -------
@@ -33,20 +37,22 @@ def read(path: str | Path) -> TetMesh | SurfaceMesh:
     Warns
     -----
     WctWarning
-        For what the file has and the mesh cannot hold, by name; and for what was done to it, such as quads split.
+        For what the file has and the mesh cannot hold, by name; and for what was done to it: quads split, tets dropped.
 
     Raises
     ------
     InputError
-        If the file is missing, damaged, of an unknown format, or holds other cells than tets or triangles.
+        If the file is missing, damaged, of an unknown format, or holds volumes without a tet, or broken tets that are
+        not to be repaired, or cannot.
     """
     file = Path(path)
     form = formats.to_read(file)
     _check_file(path, file)
     try:
-        mesh, lost, notes = _read(file, form, str(path))
+        mesh, lost, notes = _read(file, form, str(path), repair=repair)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        error.args = (f"{path}: {error}", *error.args[1:])
+        raise
     if lost:
         warnings.warn(f"{path}: not read: {', '.join(lost)}", WctWarning, stacklevel=2)
     for note in notes:
@@ -54,14 +60,16 @@ def read(path: str | Path) -> TetMesh | SurfaceMesh:
     return mesh
 
 
-def _read(file: Path, form: formats.Format, source: str) -> tuple[TetMesh | SurfaceMesh, list[str], list[str]]:
+def _read(
+    file: Path, form: formats.Format, source: str, *, repair: bool
+) -> tuple[TetMesh | SurfaceMesh, list[str], list[str]]:
     """The mesh, what of the file is left out, and what was done to the rest."""
     if form.reader:
         with refusing(form):
             raw, lost = importlib.import_module(f"wct_plugin.io.{form.reader}").read(file)
     else:
         raw, lost = load(file, form)
-    return to_mesh(raw, form, lost, source), lost, raw.notes
+    return to_mesh(raw, form, lost, source, repair=repair), lost, raw.notes
 
 
 def _check_file(path: str | Path, file: Path) -> None:

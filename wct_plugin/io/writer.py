@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import ObjectError, OutputError, WctWarning
-from wct_plugin.io import formats, gmsh_version
+from wct_plugin.io import beside_tets, formats, gmsh_version, mid_nodes
 from wct_plugin.io.assembly import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.io.atomic_files import replacing
 from wct_plugin.io.formats import PYVISTA, Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
 from wct_plugin.io.periodic_sides import numbered, sides_of
-from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
 
 #: The array that holds the tags, for formats that have one for this.
 _TAG = {
@@ -28,6 +28,10 @@ _TAG = {
 _CALLED = {"tetra": "tets", "triangle": "tagged facets", "line": "tagged edges", "vertex": "tagged vertices"}
 
 
+def _called(kind: str) -> str:
+    return _CALLED.get(kind, f"{kind} cells")
+
+
 def write(
     path: str | Path,
     mesh: TetMesh | SurfaceMesh,
@@ -35,6 +39,7 @@ def write(
     version: str | None = None,
     binary: bool | None = None,
     groups: str | None = None,
+    order: int | None = None,
 ) -> None:
     """Write a mesh in the format of the path's suffix, whole or not at all; the mesh is left as it is.
 
@@ -55,12 +60,16 @@ def write(
     groups : {"all", "first"}, optional
         What becomes of cells in several physical groups in a gmsh file: "all" keeps them there, "first" keeps the first
         group of each. Without it all.
+    order : {1, 2}, optional
+        2: tets and what is tagged on them have nodes in the middle of their edges. They are where they were on edges
+        that stayed, on the curved surface that was read on its new edges, and half way elsewhere. Without it 2 where
+        the tets that were read had them and the format has such cells.
 
     Warns
     -----
     WctWarning
         Once, naming everything the format cannot carry; once if cells in several groups make a gmsh file one of
-        version 4.1, or lose groups.
+        version 4.1, or lose groups; once for mid nodes.
 
     Raises
     ------
@@ -80,10 +89,15 @@ def write(
     form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
     msh = MshOptions(version, binary, groups)
     msh.check(path, form)
+    second = mid_nodes.are_wanted(path, form, mesh, order)
     content, lost = contents(mesh, form)
     told: list[str] = []
     if form.name == "gmsh":
         msh, told = _settled(path, content, msh)
+    if isinstance(mesh, TetMesh) and second:
+        told.append(mid_nodes.put(content, mesh, form))
+    elif isinstance(mesh, TetMesh) and mesh.second_order and order is None:
+        lost.append("mid nodes of edges")
     with replacing(file) as temporary:
         try:
             lost += save(temporary, form, mesh, content, msh)
@@ -126,17 +140,20 @@ class _Block:
 def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[str]]:
     """What of the mesh the format can carry, as meshio wants it, and the names of all else."""
     lost: list[str] = []
+    if isinstance(mesh, TetMesh) and mesh.others and not set(mesh.others.cells) & set(form.others):
+        lost += [f"{len(cells)} {_called(kind)}" for kind, cells in mesh.others.cells.items()]
+        mesh = replace(mesh, others=None)
     blocks = [block for block in _blocks(mesh) if _fits(block, form, lost)]
-    points = np.array(mesh.points)
+    points = given = beside_tets.points_of(mesh)
     if form.name == "Nastran":
-        points = _rounded(points)
-        if (points != mesh.points).any():
+        points = _rounded(given)
+        if (points != given).any():
             lost.append("digits of coordinates beyond what 16 characters hold")
     content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {}, [])
     _put_point_data(content, mesh, form, lost)
     _put_cell_data(content, blocks, form, lost)
     _put_tags(content, blocks, mesh, form, lost)
-    point_sets = mesh.point_sets if isinstance(mesh, TetMesh) else {}
+    point_sets = beside_tets.point_sets_of(mesh) if isinstance(mesh, TetMesh) else {}
     if form.name == "gmsh" and isinstance(mesh, TetMesh):
         content.groups = {block.kind: _take_groups(block, mesh.names) for block in blocks}
     _put_sets(content, blocks, point_sets, form, lost)
@@ -165,22 +182,21 @@ def _blocks(mesh: TetMesh | SurfaceMesh) -> list[_Block]:
     if isinstance(mesh, SurfaceMesh):
         return [_Block("triangle", mesh.triangles, mesh.tags, dict(mesh.cell_data), {})]
     blocks = [_Block("tetra", mesh.tets, mesh.regions, dict(mesh.cell_data), dict(mesh.tet_sets))]
-    for kind, cells in (("triangle", mesh.facets), ("line", mesh.edges), ("vertex", mesh.nodes)):
-        if len(cells):
-            blocks.append(_Block(kind, cells.vertices, cells.tags, dict(cells.data), dict(cells.sets)))
+    for kind, cells in beside_tets.tagged_cells(mesh).items():
+        blocks.append(_Block(kind, cells.vertices, cells.tags, dict(cells.data), dict(cells.sets)))
     return blocks
 
 
 def _fits(block: _Block, form: Format, lost: list[str]) -> bool:
-    if block.kind in form.cells:
+    if block.kind in form.cells or block.kind in form.others:
         return True
-    lost.append(f"{len(block.cells)} {_CALLED[block.kind]}")
+    lost.append(f"{len(block.cells)} {_called(block.kind)}")
     return False
 
 
 def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
     own = {"Medit": "medit:ref", "Nastran": "nastran:ref", "TetGen": "tetgen:ref"}.get(form.name)
-    for name, values in mesh.point_data.items():
+    for name, values in beside_tets.point_data_of(mesh).items():
         if name == own and values.dtype.kind in "iu" and values.ndim == 1:
             content.point_data[name] = np.array(values)
             continue
@@ -190,7 +206,7 @@ def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format,
         else:
             content.point_data[_spelled(name, form)] = array
     if form.name == "Medit" and not content.point_data:  # meshio would give every point a 1
-        content.point_data["medit:ref"] = np.zeros(len(mesh.points), dtype=np.int64)
+        content.point_data["medit:ref"] = np.zeros(len(content.points), dtype=np.int64)
 
 
 def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
@@ -218,10 +234,10 @@ def _put_tags(
 ) -> None:
     # Under another name than a conventional one they would not be read as tags again.
     meant = mesh.tag_name if isinstance(mesh, TetMesh) and mesh.tag_name in TAGS else "gmsh:physical"
-    tags = [block.tags if block.kind in form.tagged or form.sets else np.zeros_like(block.tags) for block in blocks]
+    tags = [block.tags if _keeps_tags(block.kind, form) else np.zeros_like(block.tags) for block in blocks]
     for block, kept in zip(blocks, tags, strict=True):
         if (block.tags != kept).any():
-            lost.append("regions" if block.kind == "tetra" else f"tags of {_CALLED[block.kind]}")
+            lost.append("regions" if block.kind == "tetra" else f"tags of {_called(block.kind)}")
     key = _spelled(_TAG.get(form.name, meant), form)
     for name in dict.fromkeys((key, ENTITIES) if form.name == "gmsh" else (key,)):
         if content.cell_data.pop(name, None) is not None:
@@ -232,6 +248,12 @@ def _put_tags(
         content.cell_data[ENTITIES] = [gmsh_entities(block.tags) for block in blocks]
     elif form.tagged and (form.name in _TAG or any(column.any() for column in tags)):
         content.cell_data[key] = [np.array(column) for column in tags]
+
+
+def _keeps_tags(kind: str, form: Format) -> bool:
+    """Whether tags of such cells go into the file; those of other cells do where those of tets of that size do."""
+    like = {2: "triangle", 3: "tetra"}[cell_kinds.dimension(kind)] if kind in form.others else kind
+    return like in form.tagged or form.sets
 
 
 def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
@@ -249,7 +271,7 @@ def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format,
                 columns = content.cell_data.setdefault(key, [np.zeros(len(b.cells), array.dtype) for b in blocks])
                 columns[which][members] = 1
             else:
-                lost.append(f"set {name!r} of {_CALLED[block.kind].removeprefix('tagged ')}")
+                lost.append(f"set {name!r} of {_called(block.kind).removeprefix('tagged ')}")
     for name, members in points.items():
         if form.sets and _fit_for_abaqus(name):
             content.point_sets[name] = members
@@ -273,7 +295,7 @@ def _put_periodic(content: Content, mesh: TetMesh, form: Format, lost: list[str]
 def _take_groups(block: _Block, names: Mapping[str, tuple[int, int]]) -> dict[int, NDArray[np.int64]]:
     """Take out the sets that are physical groups, by name and dimension, of cells that have other tags."""
     groups = {}
-    for name in [name for name in block.sets if names.get(name, (0, -1))[1] == block.cells.shape[1] - 1]:
+    for name in [name for name in block.sets if names.get(name, (0, -1))[1] == cell_kinds.dimension(block.kind)]:
         tag, _ = names[name]
         if tag and np.isin(np.flatnonzero(block.tags == tag), block.sets[name]).all():
             groups[tag] = block.sets.pop(name)

@@ -8,20 +8,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wct_plugin.errors import NoMeshError
 from wct_plugin.exact import predicates
+from wct_plugin.mesh import faults
 from wct_plugin.mesh.pickled import Pickled
 from wct_plugin.mesh.topology import Topology
 from wct_plugin.types import Floats, Ints
 
-_CHUNK = 1 << 17  # tets looked at together, so that checks take little memory beside the mesh
-#: Odd factors that make one number, modulo 2 ** 64, of a tet's ascending vertices; of the splitmix64 generator.
-_MIX = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 1], dtype=np.uint64)
+if TYPE_CHECKING:  # they are made of what is defined here
+    from wct_plugin.mesh.other_cells import OtherCells
+    from wct_plugin.mesh.second_order import SecondOrder
 
 _KIND = {1: "vertex", 2: "edge", 3: "triangle", 4: "tet"}
 
@@ -33,17 +34,32 @@ class Repairs:
     flipped: int = 0  #: tets whose orientation was reversed (they came with negative volume)
     orphan_points: int = 0  #: points no tet uses, dropped
     stray_cells: int = 0  #: tagged facets, edges and vertices on dropped points, dropped with them
+    repeated: int = 0  #: tets whose vertices are those of another one, dropped
+    degenerate: int = 0  #: tets with a vertex twice, dropped
+    flat: int = 0  #: tets of zero volume with the domain on one side only, dropped
+    folded: int = 0  #: tets that lay over others, folded back at the boundary or all but flat, dropped
+    mended: int = 0  #: tets of zero volume inside, gone by cutting the tets round them
+    added_points: int = 0  #: points where edges of such tets cross, added
 
     def __bool__(self) -> bool:
-        return bool(self.flipped or self.orphan_points or self.stray_cells)
+        return any(vars(self).values())
+
+    def __add__(self, other: "Repairs") -> "Repairs":
+        return Repairs(**{name: count + getattr(other, name) for name, count in vars(self).items()})
 
     def __str__(self) -> str:
         counts = {
+            "repeated tets dropped": self.repeated,
+            "tets with a vertex twice dropped": self.degenerate,
+            "tets of zero volume dropped": self.flat,
+            "tets folded over others dropped": self.folded,
+            "tets of zero volume cut away": self.mended,
+            "points added for that": self.added_points,
             "negatively oriented tets turned round": self.flipped,
             "points without a tet dropped": self.orphan_points,
             "tagged cells without a tet dropped": self.stray_cells,
         }
-        return ", ".join(f"{count} {what}" for what, count in counts.items() if count) or "nothing"
+        return ", ".join(faults.counted(count, what) for what, count in counts.items() if count) or "nothing"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,14 +76,14 @@ class Cells(Pickled):
     sets: Mapping[str, Ints] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        vertices = _indices(self.vertices, "cells")
-        if vertices.ndim != 2 or vertices.shape[1] not in (1, 2, 3):
-            raise NoMeshError(f"tagged cells have shape {vertices.shape}; allowed is (k, 1), (k, 2) or (k, 3)")
-        kind = _KIND[vertices.shape[1]]
-        _store(self, "vertices", vertices)
-        _store(self, "tags", _tags(self.tags, len(vertices), kind))
-        _store_mapping(self, "data", _data(self.data, len(vertices), kind))
-        _store_mapping(self, "sets", _sets(self.sets, len(vertices), kind))
+        vertices = indices(self.vertices, "cells")
+        if vertices.ndim != 2 or not vertices.shape[1]:
+            raise NoMeshError(f"tagged cells have shape {vertices.shape}; allowed is (k, number of vertices of each)")
+        kind = _kind(vertices)
+        store(self, "vertices", vertices)
+        store(self, "tags", _tags(self.tags, len(vertices), kind))
+        store_mapping(self, "data", checked_data(self.data, len(vertices), kind))
+        store_mapping(self, "sets", checked_sets(self.sets, len(vertices), kind))
 
     def __len__(self) -> int:
         return len(self.vertices)
@@ -104,18 +120,18 @@ class SurfaceMesh(Pickled):
     source: str = ""
 
     def __post_init__(self) -> None:
-        points = _points(self.points)
-        triangles = _indices(self.triangles, "triangles")
+        points = checked_points(self.points)
+        triangles = indices(self.triangles, "triangles")
         if triangles.ndim != 2 or triangles.shape[1] != 3:
             raise NoMeshError(f"triangles have shape {triangles.shape}; allowed is (k, 3)")
         if not len(triangles):
             raise NoMeshError("the surface has no triangles; at least one is needed")
-        _check_range(triangles, len(points))
-        _store(self, "points", points)
-        _store(self, "triangles", triangles)
-        _store(self, "tags", _tags(self.tags, len(triangles), "triangle"))
-        _store_mapping(self, "point_data", _data(self.point_data, len(points), "point"))
-        _store_mapping(self, "cell_data", _data(self.cell_data, len(triangles), "triangle"))
+        check_range(triangles, len(points))
+        store(self, "points", points)
+        store(self, "triangles", triangles)
+        store(self, "tags", _tags(self.tags, len(triangles), "triangle"))
+        store_mapping(self, "point_data", checked_data(self.point_data, len(points), "point"))
+        store_mapping(self, "cell_data", checked_data(self.cell_data, len(triangles), "triangle"))
 
     @property
     def diagonal(self) -> float:
@@ -132,7 +148,8 @@ class TetMesh(Pickled):
     ``point_data`` / ``cell_data`` arrays per point / per tet; ``point_sets`` / ``tet_sets`` named index arrays;
     ``names`` physical names as in gmsh: name -> (tag, dimension); ``tag_name`` the array the tags came from;
     ``reference`` the surface the boundary should stay near, where the pipeline knows it; ``source`` the file;
-    ``periodic`` whether sides that are translates of each other are meant to match, as gmsh's files say it.
+    ``periodic`` whether sides that are translates of each other are meant to match, as gmsh's files say it;
+    ``others`` the cells beside the tets that are none; ``second_order`` what there was of it, if tets had mid nodes.
 
     Construction turns negative tets round and drops points no tet uses (data and tags follow); :attr:`repairs` counts
     both. Raises :class:`wct_plugin.errors.InputError` for NaN, indices out of range, duplicate tets and tets of zero
@@ -155,46 +172,45 @@ class TetMesh(Pickled):
     source: str = ""
     repairs: Repairs = Repairs()
     periodic: bool = False
+    others: "OtherCells | None" = None
+    second_order: "SecondOrder | None" = None
 
     def __post_init__(self) -> None:
-        points = _points(self.points)
-        tets = _indices(self.tets, "tets")
+        points = _rows_of_3(self.points)
+        tets = indices(self.tets, "tets")
         if tets.ndim != 2 or tets.shape[1] != 4:
             raise NoMeshError(f"tets have shape {tets.shape}; allowed is (m, 4)")
         if not len(tets):
             raise NoMeshError("the mesh has no tetrahedra; at least one is needed")
-        _check_range(tets, len(points))
+        check_range(tets, len(points))
         for cells, width in ((self.facets, 3), (self.edges, 2), (self.nodes, 1)):
             if cells.vertices.shape[1] != width:
                 raise NoMeshError(
                     f"{_KIND[width]} cells have {cells.vertices.shape[1]} points each; allowed is {width}"
                 )
-            _check_range(cells.vertices, len(points))
+            check_range(cells.vertices, len(points))
         _check_distinct(tets)
-        tets, flipped = _orient(points, tets)
-
         used = np.zeros(len(points), dtype=bool)
         used[tets] = True
-        _store_mapping(self, "point_data", _data(self.point_data, len(points), "point"))
-        _store_mapping(self, "point_sets", _sets(self.point_sets, len(points), "point"))
+        points = checked_points(points, used)
+        tets, flipped = _orient(points, tets)
+        store_mapping(self, "point_data", checked_data(self.point_data, len(points), "point"))
+        store_mapping(self, "point_sets", checked_sets(self.point_sets, len(points), "point"))
         orphans = int(len(points) - used.sum())
         stray = 0
         if orphans:
             stray = self._drop_orphans(used)
             place = np.cumsum(used) - 1
             points, tets = points[used], place[tets]
-        _store(self, "points", points)
-        _store(self, "tets", tets)
-        _store(self, "regions", _tags(self.regions, len(tets), "tet"))
-        _store_mapping(self, "cell_data", _data(self.cell_data, len(tets), "tet"))
-        _store_mapping(self, "tet_sets", _sets(self.tet_sets, len(tets), "tet"))
-        _store_mapping(self, "names", dict(self.names))
-        before = self.repairs
-        _set(
-            self,
-            "repairs",
-            Repairs(before.flipped + flipped, before.orphan_points + orphans, before.stray_cells + stray),
-        )
+        if self.others:
+            self.others.check_on(points)
+        store(self, "points", points)
+        store(self, "tets", tets)
+        store(self, "regions", _tags(self.regions, len(tets), "tet"))
+        store_mapping(self, "cell_data", checked_data(self.cell_data, len(tets), "tet"))
+        store_mapping(self, "tet_sets", checked_sets(self.tet_sets, len(tets), "tet"))
+        store_mapping(self, "names", dict(self.names))
+        _set(self, "repairs", self.repairs + Repairs(flipped, orphans, stray))
 
     def _drop_orphans(self, used: NDArray[np.bool_]) -> int:
         """Renumber everything that names points; returns how many tagged cells went with the orphans."""
@@ -205,8 +221,10 @@ class TetMesh(Pickled):
             keep = np.all(used[cells.vertices], axis=1)
             stray += int((~keep).sum())
             _set(self, name, cells.select(keep, place[cells.vertices]))
-        _store_mapping(self, "point_data", {name: values[used] for name, values in self.point_data.items()})
-        _store_mapping(self, "point_sets", {name: place[ids[used[ids]]] for name, ids in self.point_sets.items()})
+        store_mapping(self, "point_data", {name: values[used] for name, values in self.point_data.items()})
+        store_mapping(self, "point_sets", {name: place[ids[used[ids]]] for name, ids in self.point_sets.items()})
+        if self.others:
+            _set(self, "others", self.others.renumbered(np.where(used, place, -1)))
         return stray
 
     @cached_property
@@ -226,69 +244,71 @@ class TetMesh(Pickled):
         return SurfaceMesh(self.points[used], inverse.reshape(-1, 3), source=self.source)
 
 
+def _kind(cells: Ints) -> str:
+    return _KIND.get(cells.shape[1], "cell")
+
+
 def _set(owner: object, name: str, value: object) -> None:
     object.__setattr__(owner, name, value)
 
 
-def _store(owner: object, name: str, values: NDArray[Any]) -> None:
+def store(owner: object, name: str, values: NDArray[Any]) -> None:
+    """Set an attribute of a frozen object to a view that cannot be written to."""
     view = values.view()
     view.setflags(write=False)
     _set(owner, name, view)
 
 
-def _store_mapping(owner: object, name: str, values: Mapping[str, Any]) -> None:
+def store_mapping(owner: object, name: str, values: Mapping[str, Any]) -> None:
+    """Set an attribute of a frozen object to a copy that cannot be written to."""
     _set(owner, name, MappingProxyType(dict(values)))
 
 
-def _points(values: ArrayLike) -> Floats:
+def _rows_of_3(values: ArrayLike) -> Floats:
     points = np.array(values, dtype=np.float64, order="C")
     if points.ndim != 2 or points.shape[1] != 3:
         raise NoMeshError(f"points have shape {points.shape}; allowed is (n, 3)")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    return points
+
+
+def checked_points(values: ArrayLike, used: NDArray[np.bool_] | None = None) -> Floats:
+    """The points (n, 3); those that are not ``used`` (n,) may be anything."""
+    points = _rows_of_3(values)
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1) & (True if used is None else used))
     if len(bad):
         raise NoMeshError(f"point {bad[0]} is {show_row(points[bad[0]])}{and_more(bad)}; coordinates must be finite")
     return points
 
 
-def _indices(values: ArrayLike, what: str) -> Ints:
+def indices(values: ArrayLike, what: str) -> Ints:
+    """The indices as our own array; :class:`NoMeshError` names ``what`` they are if they are no integers."""
     given = np.asarray(values)
     if given.dtype.kind not in "iu" and given.size:
         raise NoMeshError(f"{what} have dtype {given.dtype}; allowed are integers")
     return np.array(given, dtype=np.int64, order="C")
 
 
-def _check_range(cells: Ints, count: int) -> None:
+def check_range(cells: Ints, count: int) -> None:
+    """Raise :class:`NoMeshError` unless all indices of the cells (k, d) are below ``count``."""
     if not cells.size or (cells.min() >= 0 and cells.max() < count):
         return
     bad = np.flatnonzero(((cells < 0) | (cells >= count)).any(axis=1))
     if len(bad):
-        kind = _KIND[cells.shape[1]]
         raise NoMeshError(
-            f"{kind} {bad[0]} is {show_row(cells[bad[0]])}{and_more(bad)}; indices must lie in 0..{count - 1}"
+            f"{_kind(cells)} {bad[0]} is {show_row(cells[bad[0]])}{and_more(bad)}; indices must lie in 0..{count - 1}"
         )
 
 
 def _check_distinct(tets: Ints) -> None:
     """No vertex twice in a tet and no tet twice; afterwards every tet is a set of four points of its own."""
-    keys = np.empty(len(tets), dtype=np.uint64)
-    bad = []
-    for start in range(0, len(tets), _CHUNK):
-        ordered = np.sort(tets[start : start + _CHUNK], axis=1)
-        bad.append(start + np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1)))
-        keys[start : start + _CHUNK] = ordered.astype(np.uint64) @ _MIX
-    repeated = np.concatenate([*bad, np.empty(0, dtype=np.int64)])
-    if len(repeated):
+    twice = faults.with_a_vertex_twice(tets)
+    if len(twice):
         raise NoMeshError(
-            f"tet {repeated[0]} is {show_row(tets[repeated[0]])}{and_more(repeated)}; its four vertices must differ"
+            f"tet {twice[0]} is {show_row(tets[twice[0]])}{and_more(twice)}; its four vertices must differ"
         )
-    ascending = np.sort(keys)
-    alike = np.flatnonzero(np.isin(keys, ascending[1:][ascending[1:] == ascending[:-1]]))
-    ordered = np.sort(tets[alike], axis=1)  # equal tets have equal keys, and few others have
-    order = np.lexsort(ordered.T[::-1])
-    sequel = ordered[order]
-    twins = np.flatnonzero((sequel[1:] == sequel[:-1]).all(axis=1))
+    twins = faults.repeated(tets)
     if len(twins):
-        first, second = sorted((int(alike[order[twins[0]]]), int(alike[order[twins[0] + 1]])))
+        second, first = twins[0].tolist()
         raise NoMeshError(
             f"tet {second} repeats tet {first}, vertices {show_row(tets[first])}{and_more(twins)}; each may occur once"
         )
@@ -308,13 +328,14 @@ def _orient(points: Floats, tets: Ints) -> tuple[Ints, int]:
 def _tags(values: ArrayLike | None, count: int, kind: str) -> Ints:
     if values is None:
         return np.zeros(count, dtype=np.int64)
-    tags = _indices(values, f"{kind} tags")
+    tags = indices(values, f"{kind} tags")
     if tags.shape != (count,):
         raise NoMeshError(f"{kind} tags have shape {tags.shape}; allowed is ({count},)")
     return tags
 
 
-def _data(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, NDArray[Any]]:
+def checked_data(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, NDArray[Any]]:
+    """Our own copies of arrays of length ``count``, in native byte order."""
     out = {}
     for name, given in values.items():
         array = np.array(given)
@@ -327,10 +348,11 @@ def _data(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, N
     return out
 
 
-def _sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, Ints]:
+def checked_sets(values: Mapping[str, ArrayLike], count: int, kind: str) -> dict[str, Ints]:
+    """Our own copies of index arrays into ``count`` things."""
     out = {}
     for name, given in values.items():
-        members = _indices(given, f"members of {kind} set {name!r}")
+        members = indices(given, f"members of {kind} set {name!r}")
         if members.ndim != 1 or (len(members) and not (members.min() >= 0 and members.max() < count)):
             raise NoMeshError(f"{kind} set {name!r} must be a list of indices in 0..{count - 1}")
         members.setflags(write=False)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import NoMeshError
 from wct_plugin.mesh.index_arrays import components
-from wct_plugin.types import Ints
+from wct_plugin.types import Bools, Ints
 
 #: Facet i lies opposite vertex i; its vertices run counter-clockwise seen from outside a positive tet.
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
@@ -34,16 +34,12 @@ class Topology:
         Returns ``pairs`` (p, 2), the first the smaller, and ``single`` (b,), ascending.
         Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
         """
-        triples = np.sort(self._tets[:, FACETS].reshape(-1, 3), axis=1)
-        order = _argsort_rows(triples, self._count)
-        triples = triples[order]
-        same = (triples[1:] == triples[:-1]).all(axis=1)
-        crowd = np.flatnonzero(same[1:] & same[:-1])
+        triples, order, same = _sorted_facets(self._tets, self._count)
+        crowd = _crowds(triples, order, same)
         if len(crowd):
-            tets = sorted(int(half) // 4 for half in order[crowd[0] : crowd[0] + 3])
+            a, b, c, *tets = crowd[0].tolist()
             raise NoMeshError(
-                f"facet {tuple(int(v) for v in triples[crowd[0]])} belongs to tets {tets[0]}, {tets[1]} and {tets[2]}; "
-                "at most two may share one"
+                f"facet ({a}, {b}, {c}) belongs to tets {tets[0]}, {tets[1]} and {tets[2]}; at most two may share one"
             )
         first = np.flatnonzero(same)
         alone = np.ones(len(order), dtype=bool)
@@ -149,6 +145,39 @@ class Topology:
         """(m,) a label per tet, equal where a path through facets joins two tets; labels count from 0."""
         pairs = self.interior_pairs
         return components(pairs[:, 0], pairs[:, 2], len(self._tets))
+
+
+def crowded_facets(tets: Ints, count: int) -> Ints:
+    """(k, 6) the facets that three or more of the tets (m, 4) share: three vertices, the first three of the tets."""
+    return _crowds(*_sorted_facets(tets, count))
+
+
+def folded_pairs(tets: Ints) -> tuple[Ints, Bools]:
+    """The tets (p, 2) that share a facet, one pair for each, and whether both lie on the same side of it (p,).
+
+    All tets must have positive volume. Of three or more tets at a facet neighbours in the order of the rows are paired.
+    """
+    facets = tets[:, FACETS].reshape(-1, 3)
+    a, b, c = facets.T
+    odd = (a > b) ^ (a > c) ^ (b > c)
+    _, order, same = _sorted_facets(tets, int(tets.max(initial=0)) + 1)
+    first = np.flatnonzero(same)
+    return np.column_stack([order[first], order[first + 1]]) // 4, odd[order[first]] == odd[order[first + 1]]
+
+
+def _sorted_facets(tets: Ints, count: int) -> tuple[Ints, Ints, Bools]:
+    """Facets (4m, 3), ascending, in lexicographic order, the half-facet of each, and which equal the next one."""
+    triples = np.sort(tets[:, FACETS].reshape(-1, 3), axis=1)
+    order = _argsort_rows(triples, count)
+    triples = triples[order]
+    return triples, order, (triples[1:] == triples[:-1]).all(axis=1)
+
+
+def _crowds(triples: Ints, order: Ints, same: Bools) -> Ints:
+    """(k, 6) the facets that occur three times or more, once each, with the first three of their tets."""
+    third = np.flatnonzero(same[1:] & same[:-1])
+    third = third[np.diff(third, prepend=-2) > 1]
+    return np.column_stack([triples[third], order[third[:, None] + np.arange(3)] // 4])
 
 
 def _argsort_rows(triples: Ints, count: int) -> Ints:

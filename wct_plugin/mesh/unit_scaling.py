@@ -42,13 +42,19 @@ def rescaled(lengths: Floats, by: int) -> Floats:
 
 
 def scaled(mesh: Scalable, by: int) -> Scalable:
-    """The mesh, and its reference, times 2 ** ``by``; data stay as they are."""
+    """The mesh, its reference and all else that has coordinates times 2 ** ``by``; data stay as they are."""
     if by == 0:
         return mesh
     points = rescaled(mesh.points, by)
     if isinstance(mesh, SurfaceMesh):
         return replace(mesh, points=points)
-    return replace(mesh, points=points, reference=mesh.reference and scaled(mesh.reference, by))
+    return replace(
+        mesh,
+        points=points,
+        reference=mesh.reference and scaled(mesh.reference, by),
+        others=mesh.others and replace(mesh.others, points=rescaled(mesh.others.points, by)),
+        second_order=mesh.second_order and mesh.second_order.scaled(by),
+    )
 
 
 def check(mesh: TetMesh) -> None:

@@ -96,6 +96,7 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
         old.source,
         old.repairs,
         old.periodic,
+        second_order=old.second_order,
     )
 
 

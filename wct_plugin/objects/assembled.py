@@ -20,6 +20,8 @@ def assembled(
     except InputError as error:
         raise InputError(f"{what}: {error}") from error
     not_read(what, dropped)
+    for note in raw.notes:
+        warnings.warn(f"{what}: {note}", WctWarning, stacklevel=3)
     return mesh
 
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.io import formats
-from wct_plugin.io.meshio_modules import meshio_module
+from wct_plugin.io import beside_tets, formats, mid_nodes
 from wct_plugin.io.meshio_readers import raw_mesh
+from wct_plugin.io.meshio_writers import Content
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.assembled import assembled, not_carried
 from wct_plugin.types import Ints
@@ -44,15 +44,22 @@ def to_meshio(mesh: TetMesh | SurfaceMesh) -> Any:
     if isinstance(mesh, TetMesh) and mesh.periodic:
         lost.append("which sides are periodic")
     not_carried("meshio.Mesh", lost)
-    return meshio_module().Mesh(
-        np.array(mesh.points),
+    content = Content(
+        beside_tets.points_of(mesh),
         [(kind, np.array(cells)) for kind, cells, _, _, _ in blocks],
-        point_data={name: np.array(values) for name, values in mesh.point_data.items()},
-        cell_data=cell_data,
-        point_sets={name: np.array(ids) for name, ids in mesh.point_sets.items()} if isinstance(mesh, TetMesh) else {},
-        cell_sets=sets,
-        field_data={name: np.array(pair, dtype=np.int64) for name, pair in names.items()},
+        {name: np.array(values) for name, values in beside_tets.point_data_of(mesh).items()},
+        cell_data,
+        {},
+        sets,
+        {},
+        {},
+        [],
     )
+    if isinstance(mesh, TetMesh):
+        content.point_sets = {name: np.array(ids) for name, ids in beside_tets.point_sets_of(mesh).items()}
+        if mesh.second_order:
+            mid_nodes.put(content, mesh, formats.MESHIO)
+    return content.mesh(field_data={name: np.array(pair, dtype=np.int64) for name, pair in names.items()})
 
 
 _Block = tuple[str, Ints, Ints, Mapping[str, NDArray[Any]], Mapping[str, Ints]]
@@ -62,10 +69,9 @@ def _blocks(mesh: TetMesh | SurfaceMesh) -> list[_Block]:
     """Kind, cells, tags, data and sets of each kind of cell there is."""
     if isinstance(mesh, SurfaceMesh):
         return [("triangle", mesh.triangles, mesh.tags, mesh.cell_data, {})]
-    tagged = (("triangle", mesh.facets), ("line", mesh.edges), ("vertex", mesh.nodes))
     return [
         ("tetra", mesh.tets, mesh.regions, mesh.cell_data, mesh.tet_sets),
-        *((kind, one.vertices, one.tags, one.data, one.sets) for kind, one in tagged if len(one)),
+        *((kind, one.vertices, one.tags, one.data, one.sets) for kind, one in beside_tets.tagged_cells(mesh).items()),
     ]
 
 

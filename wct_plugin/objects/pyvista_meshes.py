@@ -6,16 +6,22 @@ import numpy as np
 import pyvista as pv
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import mid_nodes
 from wct_plugin.io.assembly import NAME, TAGS
 from wct_plugin.io.formats import PYVISTA
+from wct_plugin.io.node_orders import in_vtk
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.writer import contents
-from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
 from wct_plugin.objects.assembled import assembled, not_carried
 
 #: VTK's types of cells by meshio's names, and the number of points each has.
-_TYPES = {"tetra": 10, "triangle": 5, "line": 3, "vertex": 1}
-_WIDTHS = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}
+_TYPES = {
+    "tetra": 10, "triangle": 5, "line": 3, "vertex": 1, "quad": 9, "hexahedron": 12, "wedge": 13, "pyramid": 14,
+    "tetra10": 24, "triangle6": 22, "line3": 21, "quad8": 23, "hexahedron20": 25, "wedge15": 26, "pyramid13": 27,
+    "quad9": 28, "hexahedron27": 29,
+}  # fmt: skip
+_WIDTHS = {kind: cell_kinds.nodes(kind) for kind in _TYPES}
 #: Types of any number of points, which are one of these where the number fits: polygon, polyline, polyvertex.
 _ANY_NUMBER = {7: "triangle", 4: "line", 2: "vertex"}
 
@@ -34,7 +40,7 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     Raises
     ------
     InputError
-        For other cells than tets, triangles, lines and vertices.
+        For cells of unknown kinds, and for volumes without a tet.
     """
     dataset = dataset if isinstance(dataset, pv.DataSet) else pv.wrap(dataset)
     grid = dataset if isinstance(dataset, pv.UnstructuredGrid) else dataset.cast_to_unstructured_grid()
@@ -45,14 +51,14 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     for code in np.setdiff1d(types, list(_TYPES.values())).tolist():
         raise InputError(
             f"{what}: has {(types == code).sum()} {pv.CellType(code).name.lower()} cells; "
-            "allowed are tetra, triangle, line and vertex (triangulate() makes these of most others)"
+            f"allowed are {', '.join(_TYPES)} (triangulate() makes these of most others)"
         )
     connectivity = np.asarray(grid.cell_connectivity)
     present = [(kind, code) for kind, code in _TYPES.items() if (types == code).any()]
     raw = RawMesh(
         np.asarray(grid.points),
         [
-            RawBlock(kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])])
+            RawBlock(kind, in_vtk(kind, connectivity[starts[:-1][types == code][:, None] + np.arange(_WIDTHS[kind])]))
             for kind, code in present
         ],
         point_data={name: np.asarray(values) for name, values in grid.point_data.items()},
@@ -77,12 +83,14 @@ def to_pyvista(mesh: TetMesh | SurfaceMesh) -> pv.UnstructuredGrid | pv.PolyData
     """
     content, lost = contents(mesh, PYVISTA)
     not_carried("pyvista's dataset", lost)
+    if isinstance(mesh, TetMesh) and mesh.second_order:
+        mid_nodes.put(content, mesh, PYVISTA)
     dataset: pv.UnstructuredGrid | pv.PolyData
     if isinstance(mesh, SurfaceMesh):
         triangles: Any = content.cells[0][1]  # its own type says "int", which no array of NumPy's is
         dataset = pv.PolyData.from_regular_faces(content.points, triangles)
     else:
-        rows = [np.insert(cells, 0, cells.shape[1], axis=1).ravel() for _, cells in content.cells]
+        rows = [np.insert(in_vtk(kind, cells), 0, cells.shape[1], axis=1).ravel() for kind, cells in content.cells]
         types = [np.full(len(cells), _TYPES[kind], dtype=np.uint8) for kind, cells in content.cells]
         dataset = pv.UnstructuredGrid(np.concatenate(rows), np.concatenate(types), content.points)
     for name, values in content.point_data.items():

@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field, field_validator
 from wct_plugin.duals import dual_files
 from wct_plugin.duals.dual_files import DualFormat
 from wct_plugin.errors import InputError, OutputError
-from wct_plugin.io import atomic_files, check_groups, formats, read, write
+from wct_plugin.io import atomic_files, check_groups, check_order, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
@@ -93,6 +93,7 @@ class SourceOptions(Options):
     filename: Any = Field(
         description="The file; its suffix tells the format", json_schema_extra={"type": "string", "minLength": 1}
     )
+    repair: bool = Field(False, description="Drop or mend broken tets: repeated, flat, or with a vertex twice")
 
     @field_validator("filename", mode="before")
     @classmethod
@@ -128,11 +129,15 @@ class ReadMesh(Reader[SourceOptions]):
 
     def read(self) -> Mesh:  # noqa: D102
         given: Mesh | str = self.options.filename
-        return read(given) if isinstance(given, str) else given
+        return read(given, repair=self.options.repair) if isinstance(given, str) else given
 
 
 class MeshFileOptions(FileOptions):
-    """A file by name, and how it is written if it is gmsh's."""
+    """A file by name, with or without mid nodes, and how it is written if it is gmsh's."""
+
+    order: Literal[1, 2] | None = Field(
+        None, description="2: tets with nodes in the middle of their edges (none: as the tets that were read)"
+    )
 
     version: Literal["2.2", "4.1"] | None = Field(
         None, description="Version of a .msh file (none: 2.2, or 4.1 where cells are in several groups)"
@@ -164,7 +169,9 @@ class WriteMesh(Writer[MeshFileOptions]):
         atomic_files.check_writable(self.filename)
 
     def check_takes(self, kind: Kind) -> None:  # noqa: D102
-        self.options.msh.check(self.filename, formats.to_write(Path(self.filename), volume=kind is TetMesh))
+        form = formats.to_write(Path(self.filename), volume=kind is TetMesh)
+        self.options.msh.check(self.filename, form)
+        check_order(self.filename, form, self.options.order, volume=kind is TetMesh)
 
     def check_read(self, mesh: Mesh) -> None:  # noqa: D102
         if isinstance(mesh, TetMesh):
@@ -176,7 +183,8 @@ class WriteMesh(Writer[MeshFileOptions]):
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
         (flow,) = flows.values()
         msh = self.options.msh
-        write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups)
+        order = self.options.order
+        write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups, order=order)
 
 
 class ReportOptions(FileOptions):

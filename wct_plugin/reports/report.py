@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Any
 
@@ -90,6 +90,7 @@ class Report:
     remaining: Remaining | None = None  #: the tets that miss the goal of the filter that made the mesh
     shape: ShapeFloor | None = None  #: which of its flat tets the input's creases and corners force
     certificate: Certificate | None = None  #: what is proven exactly, if that was asked for
+    other_cells: Mapping[str, int] = field(default_factory=dict)  #: those with a volume beside the tets, by kind
     notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
 
     def to_dict(self) -> dict[str, Any]:
@@ -102,6 +103,7 @@ class Report:
             "boundary_facets": self.boundary_facets,
             "components": self.components,
             "joints": self.joints,
+            "other_cells": dict(self.other_cells),
             "repairs": vars(self.repairs),
             "volume": self.volume,
             "ranges": {name: {"min": low, "max": high} for name, (low, high) in self.ranges.items()},
@@ -133,8 +135,10 @@ class Report:
     def headline(self) -> str:
         """One line: what the mesh is and how far up the tiers it gets."""
         name = self.source or "mesh"
+        beside = " and ".join(f"{count} {kind}" for kind, count in self.other_cells.items())
         return f"{name}: {self.tets} tets, {self.points} points, {_percent(self.flags['3wc'], self.tets)} 3WC, " + (
             f"{_percent(self.flags['cwc'], self.tets)} CWC, tier {self.tiers.name}"
+            + (f"; the tets alone, without the {beside} cells beside them" if beside else "")
         )
 
     def rows_ranges(self) -> list[tuple[str, str, str]]:
@@ -247,6 +251,7 @@ def make_report(
         boundary_facets=len(mesh.topology.boundary),
         components=int(mesh.topology.components.max()) + 1,
         joints=joints,
+        other_cells=mesh.others.volumes if mesh.others else {},
         repairs=mesh.repairs,
         volume=float(measured.volume.sum()),
         ranges={name: (float(low.min()), float(high.max())) for name, (low, high) in ranges.items()},
