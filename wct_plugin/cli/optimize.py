@@ -8,7 +8,7 @@ from typing import Any
 import click
 from rich.text import Text
 
-from wct_plugin.cli import filter_options
+from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import print_before_after, write_text
 from wct_plugin.cli.progress_bar import progress_bar
@@ -43,6 +43,8 @@ _MESHER_PREFIX = "mesher_"
 @filter_options.filter_options(*OPTIMIZERS)
 @filter_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @filter_options.msh_options
+@formats_of_streams.input_format
+@formats_of_streams.output_format
 @time_limit_option
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option(
@@ -57,6 +59,8 @@ def optimize(
     source: str,
     target: str,
     optimizer_name: str,
+    input_format: str | None,
+    output_format: str | None,
     seconds: float | None,
     json_path: str | None,
     html_path: str | None,
@@ -65,9 +69,12 @@ def optimize(
 ) -> int:
     """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
+    - as IN is standard input, as OUT standard output: wct optimize - - --input-format vtu --output-format msh
+
     Exit code 0: every tet meets the goal, and all of the domain is kept. 1: the best mesh is written, and the last line
     says what was missed. 2: an error or an interrupt, which says what was written before it, if anything.
     """
+    formats_of_streams.leave_stdout(target, json_path)
     limit = CommandLimit(seconds)
     optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
@@ -77,12 +84,13 @@ def optimize(
         for path, form in ((json_path, "json"), (html_path, "html"))
         if path not in (None, "-")
     ]
-    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **filter_options.given_msh(values)), *reports]
+    written = filter_options.given_msh(values) | ({} if output_format is None else {"format": output_format})
+    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **written), *reports]
     for writer in writers:  # before the file is read, which may take long
         writer.validate()
         writer.check_takes(TetMesh)
 
-    mesh = read(source)
+    mesh = read(source, suffix=input_format)
     filters = [optimizer]
     if isinstance(mesh, SurfaceMesh):
         filters = [mesher, optimizer]
@@ -90,7 +98,7 @@ def optimize(
         flag = filter_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
-        chain = _optimizing(source, filters, writers)
+        chain = _optimizing(source, filters, writers, input_format)
         with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))
@@ -111,12 +119,16 @@ def optimize(
 
 
 def _optimizing(
-    source: str | Mesh, filters: Sequence[FilterStage[Options]], writers: Sequence[Writer[FileOptions]]
+    source: str | Mesh,
+    filters: Sequence[FilterStage[Options]],
+    writers: Sequence[Writer[FileOptions]],
+    input_format: str | None = None,
 ) -> Pipeline:
     """What ``wct optimize`` runs: the last of ``filters`` is the one that stands between before and after."""
     tags = ("before", "after") if len(writers) > 1 else ("", "")
     mesh_writer, *report_writers = writers
     *made, optimizer = filters
-    *others, last = (ReadMesh(filename=source), *made)
+    read_as = {} if input_format is None else {"format": input_format}
+    *others, last = (ReadMesh(filename=source, **read_as), *made)
     steps = [*map(Step, others), Step(last, tags[0]), Step(optimizer), Step(mesh_writer, tags[1])]
     return Pipeline([*steps, *(Step(writer, inputs=tags) for writer in report_writers)])
