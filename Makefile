@@ -41,11 +41,12 @@ docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md
 
 # make bench [MESHES=folder] [SURFACES=folder of surfaces with the meshes' names] [TIMEOUT=seconds per tool and mesh]
-#            [MOST=tets at which the growth curve stops]: kernels.md, bench.md, growth.md in build/bench
+#            [MOST=tets at which the growth curve stops]: kernels.md, bench.md, reading.md, growth.md in build/bench
 bench: $(VENV)/.bench
 	PYTHONPATH=tests $(BIN)/python -m benchmarks.kernels
 	PYTHONPATH=tests $(BIN)/python -m benchmarks $(if $(MESHES),--meshes '$(MESHES)') $(if $(SURFACES),--surfaces '$(SURFACES)') \
 		$(if $(TIMEOUT),--timeout $(TIMEOUT))
+	PYTHONPATH=tests $(BIN)/python -m benchmarks.reading
 	PYTHONPATH=tests $(BIN)/python -m benchmarks.growth $(if $(MOST),--most $(MOST))
 
 # Editable installs see edits to Python files at once; a changed core, declaration or list of filters installs again.

@@ -10,6 +10,7 @@ from wct_plugin.core import _core
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.strata import find_strata
+from wct_plugin.meshing import required_cells
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import Progress, ProgressCallback
@@ -45,7 +46,7 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
     No tet is ever inverted and never fewer tets contain their circumcenter than before. Sliding vertices stay on the
     surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
     between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners. Vertices
-    shared with other cells stay.
+    shared with other cells, and those of the sets RequiredTriangles and RequiredEdges, stay.
     The metrics say which tets miss the goal, and what in the connectivity or the boundary provably rules it out.
     """
 
@@ -63,16 +64,16 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
         normalized = unit_scaling.scaled(mesh, -unit)
         surface = find_strata(mesh, options.crease_angle)
         slides = options.boundary == "slide"
-        stratum = surface.stratum if slides else np.where(surface.stratum > 0, 3, 0).astype(np.int8)
+        stays = required_cells.vertices_of(mesh) | (not slides and surface.stratum > 0)
         if mesh.others:
-            stratum = stratum.copy()
-            stratum[mesh.others.shared[mesh.others.shared >= 0]] = 3  # these points stay
+            stays[mesh.others.shared[mesh.others.shared >= 0]] = True
+        stratum = np.where(stays, 3, surface.stratum).astype(np.int8)
         tolerance = np.inf if options.tolerance is None else options.tolerance * normalized.diagonal
         points, report = _core.move_vertices(
             normalized.points,
             mesh.tets,
             stratum,
-            surface.label,
+            np.where(stays, -1, surface.label),
             surface.triangles,
             surface.patch,
             surface.segments,

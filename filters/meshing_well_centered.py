@@ -37,6 +37,7 @@ from wct_plugin.meshing import (
     edge_length,
     parts_work,
     planes,
+    required_cells,
     search_mesh,
     touching_pieces,
 )
@@ -176,6 +177,8 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     tets are, the rest stays. All that ends after so much work, counted, as takes about 5 s and 5 ms per tet of CPU
     time; ``effort`` multiplies it.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
+    Facets of a set RequiredTriangles and edges of a set RequiredEdges, as Medit's files have them, stay to the bit;
+    other words of ``boundary`` for RequiredTriangles free its facets.
     Planes, straight creases and corners at them are kept exactly, and those that a file rounded are put right first;
     but for those smaller than 28 tolerances and 3 % of the diagonal: these move within the tolerance, as all that is
     curved does. Of the other creases, those that their angle alone makes and that hold tets back for long become
@@ -241,6 +244,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
 
     def _improve(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:
         unit_scaling.check(mesh)
+        boundary = required_cells.boundary_of(self.options.boundary, mesh)
+        if boundary != self.options.boundary:
+            return self._with(boundary=boundary).run(mesh, progress)
         if self.options.merge == "all":
             mesh = coincident.merged(mesh)
         zipped = coincident.zip_up(mesh, self.options.merge)
@@ -265,12 +271,19 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         better, found = self._put_on_curved(better, found, unit)
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
+        required_cells.check_edges(mesh, better)
         result = self._judge(mesh, own, better, found, followed, tolerance)
         return better, {
             **result,
             **found.work,
             "tolerance": tolerance / (surface or mesh).diagonal,
         }
+
+    def _with(self, **options: Any) -> Self:
+        """The same with other options, which are good ones."""
+        other = copy(self)
+        other.options = self.options.model_copy(update=options)
+        return other
 
     def _wants_pairs(self, mesh: TetMesh) -> bool:
         return mesh.periodic if self.options.periodic is None else self.options.periodic
@@ -343,13 +356,10 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         for part, points in zipped.parts:
             given = replace(part, reference=reference)
             most = self.options.max_tets and max(1, self.options.max_tets * len(part.tets) // len(mesh.tets))
-            one = copy(self)
-            one.options = self.options.model_copy(
-                update={
-                    "tolerance": tolerance / (reference or part).diagonal,
-                    "boundary": boundary_choice.in_part(self.options.boundary, part, coincident.SHEETS),
-                    "max_tets": most,
-                }
+            one = self._with(
+                tolerance=tolerance / (reference or part).diagonal,
+                boundary=boundary_choice.in_part(self.options.boundary, part, coincident.SHEETS),
+                max_tets=most,
             )
             one._share_of_all = len(part.tets) / len(mesh.tets)
             size = None if wanted is None else wanted[points]
@@ -381,7 +391,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         options = self.options
         surface = mesh.reference
         moves = choices.word == "move"
-        kept = HeldSurface.of(own, choices.stays, choices.fixed) if moves and choices.stays.any() else None
+        curves = required_cells.curves_of(mesh, own.strata)
+        stays = moves and (choices.stays.any() or len(curves))
+        kept = HeldSurface.of(own, choices.stays, choices.fixed, curves) if stays else None
         diagonal = (surface or mesh).diagonal
         reference, reason = own, ""
         if moves and surface is not None:

@@ -11,5 +11,6 @@ NB_MODULE(_core, m) {
     wct::bindings::bind_conform(m);
     wct::bindings::bind_refill(m);
     wct::bindings::bind_local_tolerance(m);
+    wct::bindings::bind_number_text(m);
     wct::bindings::bind_search(m);
 }

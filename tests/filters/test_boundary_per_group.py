@@ -122,7 +122,7 @@ def test_a_partial_restart_keeps_the_fixed_face(acute, monkeypatch):
     own = own_boundary(acute, 40.0)
     stays = np.zeros(own.strata.patch.max() + 1, dtype=bool)
     stays[own.strata.patch[(acute.points[own.strata.triangles][:, :, 0] == 0).all(axis=1)]] = True
-    held = HeldSurface.of(own, stays, stays)
+    held = HeldSurface.of(own, stays, stays, np.empty(0, dtype=np.int64))
     listen = Listener(lambda _: True, 0)
     fixed, within = np.flatnonzero(stays), Tolerance(1e-3)
     search = LocalSearch(

@@ -131,7 +131,7 @@ def test_colours_tables_and_blank_lines(tmp_path: Path) -> None:
         (HEAD + "CELLS 2 5\n4 0 1 2 3\n", "has 1 cells but announces 2"),
         (HEAD + "CELLS 1 6\n4 0 1 2 3 5\n", "ends within a cell"),
         (HEAD + "CELLS 1 5\n4 0 1 2\n", "ends within its numbers"),
-        (HEAD + "CELLS 1 5\n4 0 1 2 x\n", "has something among its whole numbers that is none: 'x'"),
+        (HEAD + "CELLS 1 5\n4 0 1 2 x\n", "has 'x' where a whole number should be"),
         (HEAD + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nCELL_DATA 1\nSCALARS a quad\nLOOKUP_TABLE d\n1\n",
          "announces 1 numbers of the type 'quad'; allowed are unsigned_char"),
         (HEAD + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nJUNK 1\n", "has the line 'JUNK 1', which means nothing in a"),

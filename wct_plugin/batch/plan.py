@@ -148,8 +148,10 @@ def _check_kinds(pipeline: Pipeline, sources: Sequence[str]) -> None:
 
 def _output_name(source: Path, volume: bool, suffix: str | None) -> str:
     own = formats.to_read(source)
+    packed = formats.PACKED if source.suffix.lower() == formats.PACKED else ""
+    source = source.with_suffix("") if packed else source
     if suffix is None:
-        suffix = source.suffix if (own.volume if volume else own.surface) else _OTHERWISE
+        suffix = source.suffix + packed if (own.volume if volume else own.surface) else _OTHERWISE
     try:
         name = source.with_suffix(f".{suffix.removeprefix('.')}").name
     except ValueError as error:
@@ -175,4 +177,7 @@ def _check_collisions(tasks: Sequence[Task], folder: Path) -> None:
 
 def _family(file: Path) -> list[Path]:
     """The names that a mesh file and its companions may have: formats of several files tell them by the suffix."""
-    return [file, *(file.with_suffix(suffix) for suffix in formats.to_read(file).suffixes if suffix != file.suffix)]
+    packed = file.suffix if file.suffix.lower() == formats.PACKED else ""
+    plain = file.with_suffix("") if packed else file
+    others = (suffix for suffix in formats.to_read(file).suffixes if suffix != plain.suffix)
+    return [file, *(plain.with_name(plain.with_suffix(suffix).name + packed) for suffix in others)]

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from wct_plugin.cli import filter_options
+from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.commands import with_comfort
 from wct_plugin.cli.messages import GOAL_MET, out
 from wct_plugin.cli.output import print_metrics, table
@@ -47,15 +47,19 @@ class _Creations(click.Group):
 
 
 def _command(name: str, stage: type[FilterStage[Options]]) -> click.Command:
-    def run(target: str, **values: Any) -> int:
-        writer = WriteMesh(filename=target, **filter_options.given_msh(values))
+    def run(target: str, output_format: str | None, **values: Any) -> int:
+        formats_of_streams.leave_stdout(target)
+        written = filter_options.given_msh(values) | ({} if output_format is None else {"format": output_format})
+        writer = WriteMesh(filename=target, **written)
         chain = Pipeline([Step(stage(**filter_options.given(values, stage.name))), Step(writer)])
         with unplaced_errors(), progress_bar() as progress:
             result = chain.execute(progress)
         print_metrics(f"{stage.type()} -> {target}", result.stages[0].metrics)
         return GOAL_MET
 
-    with_options = filter_options.filter_options(stage.name)(filter_options.msh_options(run))
+    with_options = filter_options.filter_options(stage.name)(
+        filter_options.msh_options(formats_of_streams.output_format(run))
+    )
     with_target = click.argument("target", metavar="OUT")(with_options)
     command = click.command(name, help=about(stage), short_help=stage.summary())(with_target)
     given = (part for option, value in stage.example.items() for part in (filter_options.flag(option), str(value)))

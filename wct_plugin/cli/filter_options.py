@@ -6,7 +6,7 @@ from typing import Any, get_args
 import click
 from pydantic.fields import FieldInfo
 
-from wct_plugin.pipeline.readers_writers import FileOptions, MeshFileOptions, SourceOptions
+from wct_plugin.pipeline.readers_writers import MeshFileOptions, SourceOptions, TargetOptions
 from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.pipeline.stage_page import choices, describe_default, describe_range
 
@@ -68,7 +68,7 @@ def given_msh(values: dict[str, Any]) -> dict[str, Any]:
 
 def _msh_fields() -> dict[str, FieldInfo]:
     fields = MeshFileOptions.model_fields
-    return {option: field for option, field in fields.items() if option not in (*FileOptions.model_fields, "order")}
+    return {option: field for option, field in fields.items() if option not in (*TargetOptions.model_fields, "order")}
 
 
 def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

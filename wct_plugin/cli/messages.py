@@ -39,6 +39,16 @@ def be_quiet() -> Callable[[], None]:
     return talk
 
 
+def talk_to_stderr() -> Callable[[], None]:
+    """Print on stderr what else goes to stdout, until what this gives is called."""
+    out.stderr = True
+
+    def talk() -> None:
+        out.stderr = False
+
+    return talk
+
+
 def fail(message: str) -> int:
     """Print an error as one line and give its exit code."""
     err.quiet = False

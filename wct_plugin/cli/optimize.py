@@ -8,7 +8,7 @@ from typing import Any
 import click
 from rich.text import Text
 
-from wct_plugin.cli import filter_options
+from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import print_before_after, write_text
 from wct_plugin.cli.progress_bar import progress_bar
@@ -45,6 +45,8 @@ _MESHER_PREFIX = "mesher_"
 @filter_options.order_option
 @filter_options.msh_options
 @filter_options.repair_option
+@formats_of_streams.input_format
+@formats_of_streams.output_format
 @time_limit_option
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
 @click.option(
@@ -61,6 +63,8 @@ def optimize(
     optimizer_name: str,
     order: int | None,
     repair: bool,
+    input_format: str | None,
+    output_format: str | None,
     seconds: float | None,
     json_path: str | None,
     html_path: str | None,
@@ -69,9 +73,12 @@ def optimize(
 ) -> int:
     """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
+    - as IN is standard input, as OUT standard output: wct optimize - - --input-format vtu --output-format msh
+
     Exit code 0: every tet meets the goal, and all of the domain is kept. 1: the best mesh is written, and the last line
     says what was missed. 2: an error or an interrupt, which says what was written before it, if anything.
     """
+    formats_of_streams.leave_stdout(target, json_path)
     limit = CommandLimit(seconds)
     optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
@@ -81,15 +88,14 @@ def optimize(
         for path, form in ((json_path, "json"), (html_path, "html"))
         if path not in (None, "-")
     ]
-    writers: list[Writer[FileOptions]] = [
-        WriteMesh(filename=target, **({"order": order} if order else {}), **filter_options.given_msh(values)),
-        *reports,
-    ]
+    written = filter_options.given_msh(values) | ({} if output_format is None else {"format": output_format})
+    written |= {"order": order} if order else {}
+    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **written), *reports]
     for writer in writers:  # before the file is read, which may take long
         writer.validate()
         writer.check_takes(TetMesh)
 
-    mesh = read(source, repair=repair)
+    mesh = read(source, suffix=input_format, repair=repair)
     filters = [optimizer]
     if isinstance(mesh, SurfaceMesh):
         filters = [mesher, optimizer]
@@ -97,7 +103,8 @@ def optimize(
         flag = filter_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
-        chain = _optimizing(ReadMesh(filename=source, **({"repair": True} if repair else {})), filters, writers)
+        read_as = ({} if input_format is None else {"format": input_format}) | ({"repair": True} if repair else {})
+        chain = _optimizing(ReadMesh(filename=source, **read_as), filters, writers)
         with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))

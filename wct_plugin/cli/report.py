@@ -22,9 +22,11 @@ from wct_plugin.reports import html_report, json_schema
 from wct_plugin.reports.report import Report, make_report
 
 
-def _read(source: str, reference: SurfaceMesh | None, *, repair: bool) -> TetMesh | SurfaceMesh:
+def _read(
+    source: str, input_format: str | None, reference: SurfaceMesh | None, *, repair: bool
+) -> TetMesh | SurfaceMesh:
     """A tet mesh, or triangles in a plane."""
-    mesh = read(source, repair=repair)
+    mesh = read(source, suffix=input_format, repair=repair)
     if isinstance(mesh, SurfaceMesh) and planar.is_planar(mesh):
         return mesh
     find_filter("get_quality").check_takes(type(mesh))
@@ -70,6 +72,7 @@ def _meets(report: Report | PlanarReport, goal: str | None) -> bool:
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
 @click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
 @filter_options.repair_option
+@click.option("--input-format", metavar="SUFFIX", help="Of each FILE, as vtu  [default: its name tells; - has none]")
 @click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of reports and end")
 def report(
     sources: Sequence[str],
@@ -80,6 +83,7 @@ def report(
     exact: bool,
     reference: str | None,
     repair: bool,
+    input_format: str | None,
     print_schema: bool,
 ) -> int:
     """Measure tet meshes, several side by side: ranges, tiers, flags, histograms, the worst tets with their place.
@@ -91,13 +95,15 @@ def report(
         return GOAL_MET
     if not sources:
         raise click.UsageError("Missing argument 'FILE...'.")
+    if sources.count("-") > 1:
+        raise click.UsageError("'-' is given twice; standard input is one file")
     if exact and goal == "one-sided":
         raise click.UsageError("--exact proves no dual area: --goal one-sided goes without it, delaunay or 3wc with it")
     check_outputs(json_path, html_path)
     if html_path:
         html_report.check_available()
     surface = _surface(reference) if reference else None
-    meshes = [_read(source, surface, repair=repair) for source in sources]
+    meshes = [_read(source, input_format, surface, repair=repair) for source in sources]
     _check_planar(meshes, html_path, goal)
     reports = [
         make_report(mesh, worst, exact=exact) if isinstance(mesh, TetMesh) else planar.measure(mesh) for mesh in meshes

@@ -8,6 +8,7 @@ import click
 from click.shell_completion import CompletionItem
 from rich.text import Text
 
+from wct_plugin.cli import formats_of_streams
 from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import check_outputs, print_result, write_text
 from wct_plugin.cli.progress_bar import progress_bar
@@ -46,6 +47,8 @@ def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: s
 @click.option(
     "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
 )
+@formats_of_streams.input_format
+@formats_of_streams.output_format
 @time_limit_option
 @click.option("--validate", is_flag=True, help="Check the pipeline and end; inputs are read, no filter runs")
 @click.option(
@@ -56,6 +59,8 @@ def run_pipeline(
     chain: str | None,
     paths: Sequence[str],
     settings: Sequence[str],
+    input_format: str | None,
+    output_format: str | None,
     seconds: float | None,
     validate: bool,
     metadata_path: str | None,
@@ -70,6 +75,9 @@ def run_pipeline(
     goal. 1: something was missed, and the last line says what; all is written. 2: an error or an interrupt, which says
     what was written before it, if anything.
     """
+    formats_of_streams.leave_stdout(*paths[1:], metadata_path)
+    if chain == "-" and paths[:1] == ("-",):
+        raise click.UsageError("'-' is given twice; standard input is one file")
     limit = CommandLimit(seconds)
     if print_schema:
         write_text("-", json.dumps(schema(), indent=2))
@@ -78,7 +86,8 @@ def run_pipeline(
         raise click.UsageError("Missing argument 'PIPELINE'.")
     pipeline = read_pipeline(chain, settings)
     if paths:
-        pipeline = pipeline.between(paths[0], paths[1:])
+        named = {"input_format": input_format, "output_format": output_format}
+        pipeline = pipeline.between(paths[0], paths[1:], **named)
     if validate:
         pipeline.check([TetMesh, SurfaceMesh], read=True)
         out.print(Text("valid: " + " | ".join(step.stage.type() for step in pipeline.steps)))

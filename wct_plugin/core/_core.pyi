@@ -459,3 +459,19 @@ def surface_curvatures(
 
     Positive where the surface bends away from its normal; zero on planar patches.
     """
+
+def read_reals(
+    text: bytes, head: bytes = b"", stop: bytes = b"", start: int = 0, lines: int | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.int64], int, bool]:
+    """The numbers of a text (n,), how many each line has that is read, where reading ended, and whether all is well.
+
+    Blanks part numbers; each is rounded to nearest. Exponents may be Fortran's D. Without a ``head`` all lines are read
+    that have any word; with one, in small letters, those that begin with it, behind it. What of a word is behind the
+    letter ``stop`` is left out. ``start``: where to begin; ``lines``: how many are read at most. Reading ends behind
+    the last line, or at the first word that is no number, and then all is not well.
+    """
+
+def read_integers(
+    text: bytes, head: bytes = b"", stop: bytes = b"", start: int = 0, lines: int | None = None
+) -> tuple[NDArray[np.int64], NDArray[np.int64], int, bool]:
+    """The same of whole numbers; these may have a point and an exponent."""

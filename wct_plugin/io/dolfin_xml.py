@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import safe_xml
+from wct_plugin.io.companions import folder_of
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: By the type of cell: meshio's name, and the number of corners.
@@ -29,7 +30,7 @@ def read(path: Path, root: ET.Element) -> tuple[RawMesh, list[str]]:
     raw = RawMesh(points, [RawBlock(name, cells)])
     lost: list[str] = []
     _put_tags(raw, mesh, "the mesh", lost)
-    for file in sorted(path.parent.glob(f"{_escaped(path.stem)}_*_region.xml")):  # where dolfin-convert puts them
+    for file in sorted(folder_of(path).glob(f"{_escaped(path.stem)}_*_region.xml")):  # where dolfin-convert puts them
         _put_tags(raw, safe_xml.parse(file.read_bytes()), file.name, lost)
     return raw, lost
 

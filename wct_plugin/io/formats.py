@@ -40,6 +40,8 @@ class Format:
     surface: bool = True  #: whether triangles alone make a file
     reader: str = ""  #: our own module that reads it; empty where meshio's does
     writes: bool = True  #: whether we write it
+    packed: tuple[str, ...] = ()  #: suffixes of all files of a format of several, that are packed each by itself
+    beside: tuple[str, ...] = ()  #: and of files that stay as they are
 
     @property
     def volume(self) -> bool:
@@ -56,20 +58,29 @@ class Format:
         """Whether it can carry tets, triangles and lines with mid nodes."""
         return self.name in _SECOND_ORDER
 
+    @property
+    def companions(self) -> tuple[str, ...]:
+        """The suffixes of all its files, where there are several."""
+        return self.packed + self.beside
+
 
 FORMATS = (
     Format("VTU", (".vtu",), "vtu", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="vtu"),
     Format("VTK", (".vtk",), "vtk", _ALL, _ALL, point_data=True, cell_data=True, reader="vtk_legacy"),
-    Format("XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf"),
-    Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True),
+    Format(
+        "XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf", beside=(".h5",)
+    ),
+    Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="gmsh_reader"),
     Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True, reader="med"),
-    Format("Medit", (".mesh", ".meshb"), "medit", _ALL[:3], _ALL[:3]),
-    Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3]),
-    Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True),
+    Format("Medit", (".mesh", ".meshb"), "", _ALL, _ALL[:3], reader="medit"),
+    Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3], reader="nastran"),
+    Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True, reader="abaqus"),
     Format("SU2", (".su2",), "su2", _ALL[:2], _ALL[1:2], surface=False),
-    Format("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2], surface=False),
+    Format(
+        *("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2]), surface=False, packed=(".ele", ".node", ".face")
+    ),
     Format("PLY", (".ply",), "", _ALL[1:2], _ALL[1:2], point_data=True, cell_data=True, reader="ply"),
-    Format("STL", (".stl",), "stl", _ALL[1:2]),
+    Format("STL", (".stl",), "stl", _ALL[1:2], reader="stl"),
     Format("OBJ", (".obj",), "", _ALL[1:2], reader="obj"),
     Format("OFF", (".off",), "", _ALL[1:2], reader="off"),
     Format("PVTU", (".pvtu",), "", _ALL, reader="pvtu", writes=False),
@@ -87,17 +98,33 @@ MESHIO = Format("meshio", (), "", _ALL, _ALL, point_data=True, cell_data=True, s
 _BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}
 
 
-def to_read(path: Path) -> Format:
-    """The format of a file to read, by its suffix; :class:`InputError` lists the known suffixes."""
-    return _find(path, InputError, _BY_SUFFIX)
+#: What ends the names of files packed by gzip.
+PACKED = ".gz"
 
 
-def to_write(path: Path, *, volume: bool) -> Format:
+def suffix_of(path: Path) -> str:
+    """The suffix that tells the format, in small letters; that of a packed file is the one before ``.gz``."""
+    suffix = path.suffix.lower()
+    return Path(path.stem).suffix.lower() if suffix == PACKED else suffix
+
+
+def meant(path: Path, suffix: str | None) -> Path:
+    """The name by which the format is found: the path itself, or one of the suffix that is given."""
+    return path if suffix is None else Path(f"mesh.{suffix.removeprefix('.')}")
+
+
+def to_read(path: Path, suffix: str | None = None) -> Format:
+    """The format of a file to read, by its suffix or the one given; :class:`InputError` lists the known suffixes."""
+    return _find(path, suffix, InputError, _BY_SUFFIX)
+
+
+def to_write(path: Path, *, volume: bool, suffix: str | None = None) -> Format:
     """The format of a file to write; :class:`OutputError` lists the suffixes that can carry the mesh."""
     able = {
         suffix: form for suffix, form in _BY_SUFFIX.items() if form.writes and (form.volume if volume else form.surface)
     }
-    form = _find(path, OutputError, able if path.suffix.lower() not in _BY_SUFFIX else _BY_SUFFIX)
+    known = suffix_of(meant(path, suffix)) in _BY_SUFFIX
+    form = _find(path, suffix, OutputError, _BY_SUFFIX if known else able)
     if not form.writes:
         raise OutputError(f"{path}: {form.name} is read, not written; allowed are {' '.join(able)}")
     if form not in able.values():
@@ -106,8 +133,14 @@ def to_write(path: Path, *, volume: bool) -> Format:
     return form
 
 
-def _find(path: Path, error: type[WctError], known: dict[str, Format]) -> Format:
-    suffix = path.suffix.lower()
+def _find(path: Path, given: str | None, error: type[WctError], known: dict[str, Format]) -> Format:
+    suffix = suffix_of(meant(path, given))
     if suffix not in known:
+        if given is not None:
+            allowed = " ".join(suffix.removeprefix(".") for suffix in known)
+            raise error(f"{path}: unknown format {given!r}; allowed are {allowed}")
+        if str(path) == "-":
+            flag = "--input-format" if error is InputError else "--output-format"
+            raise error(f"{path}: has no suffix that tells its format; {flag} names it, as vtu")
         raise error(f"{path}: unknown suffix {suffix!r}; allowed are {' '.join(known)}")
     return known[suffix]

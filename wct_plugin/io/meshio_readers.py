@@ -8,10 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from wct_plugin.errors import InputError
-from wct_plugin.io import meshio_gmsh, tetgen_face_file
+from wct_plugin.io import tetgen_face_file
 from wct_plugin.io.formats import Format
 from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
@@ -24,12 +22,10 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
     """What the file holds, and what meshio says it has left out. Whatever goes wrong is an InputError."""
     with refusing(form):
         _check_ends(file, form)
-        source: Any = _bulk_data(file) if form.name == "Nastran" else str(file)
-        # The overflow is that of STL's count of triangles, which in a text file is no count.
-        with overheard() as said, warnings.catch_warnings(), np.errstate(over="ignore"):
+        with overheard() as said, warnings.catch_warnings():
             # NumPy only deprecates reading past what is no number.
             warnings.filterwarnings("error", message="string or file could not be read", category=DeprecationWarning)
-            raw = raw_mesh((meshio_gmsh if form.name == "gmsh" else meshio_module(form.module)).read(source))
+            raw = raw_mesh(meshio_module(form.module).read(str(file)))
         for warning in said:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)
@@ -89,14 +85,6 @@ def _check_ends(file: Path, form: Format) -> None:
         for part in _tetgen_parts(file):
             if not _content(part):
                 raise InputError(f"{part.name} has no content")
-    elif form.name == "Medit" and file.suffix.lower() == ".mesh":
-        if not re.search(r"^\s*End\s*$", file.read_text(), re.MULTILINE):
-            raise InputError("does not end with 'End'; is it truncated?")
-    elif form.name == "STL":
-        data = file.read_bytes()
-        count = int.from_bytes(data[80:84], "little")
-        if len(data) != 84 + 50 * count and not data.rstrip().rpartition(b"\n")[2].lower().startswith(b"endsolid"):
-            raise InputError("is neither text that ends with 'endsolid' nor binary of the length it declares")
 
 
 def _tetgen_parts(file: Path) -> tuple[Path, Path]:
@@ -114,16 +102,6 @@ def _beyond_counts(file: Path) -> list[str]:
     found = {part.name: _content(part) for part in _tetgen_parts(file)}
     extra = {name: len(lines) - 1 - int(lines[0].split()[0]) for name, lines in found.items()}
     return [f"{count} lines of {name} beyond its count" for name, count in extra.items() if count > 0]
-
-
-def _bulk_data(file: Path) -> io.StringIO:
-    """The bulk data of a Nastran file, which alone make a file too, up to the end that meshio's reader waits for."""
-    text = file.read_text()
-    if "BEGIN BULK" not in text:
-        text = "BEGIN BULK\n" + text
-    if not re.search(r"^ENDDATA", text.partition("BEGIN BULK")[2], re.MULTILINE):
-        raise InputError("does not end with 'ENDDATA'; is it truncated?")
-    return io.StringIO(text)
 
 
 def _check_count(raw: RawMesh, file: Path, form: Format) -> None:

@@ -10,7 +10,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.io import gmsh22, gmsh41, obj, off, ply, tetgen_face_file
+from wct_plugin.io import gmsh22, gmsh41, medit, medit_writer, obj, off, ply, tetgen_face_file
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
@@ -78,6 +78,12 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
         return []
     if form.name == "gmsh":
         _write_gmsh(path, content, msh)
+        return []
+    if form.name == "Medit":
+        references = content.cell_data[medit.REFERENCES]
+        medit_writer.write(
+            path, content.points, content.point_data[medit.REFERENCES], content.cells, references, content.cell_sets
+        )
         return []
     with overheard() as said, np.errstate(invalid="ignore", divide="ignore"):  # STL normals of slivers
         match form.name:

@@ -1,5 +1,6 @@
 """Wavefront OBJ, geometry only, read here: meshio fails where texture coordinates and vertices differ in number."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.io import vtk_cells
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import columns_of_rows, number_rows
 from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.types import Ints
 
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
@@ -15,31 +18,51 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
 
     Raises :class:`InputError`, without the file's name, for a malformed line.
     """
-    points: list[list[float]] = []
-    sizes: list[int] = []
-    faces: list[int] = []
-    with path.open(encoding="utf-8", errors="strict") as file:
-        for number, line in enumerate(file, start=1):
-            words = line.split()
-            if not words or words[0] not in ("v", "f"):
-                continue
-            try:
-                if words[0] == "v":
-                    points.append([float(word) for word in words[1:4]])
-                    good = len(points[-1]) == 3
-                else:
-                    corners = [int(word.split("/")[0]) for word in words[1:]]
-                    good = 0 not in corners
-            except ValueError:
-                good = False
-            if not good:
-                raise InputError(f"line {number} is {line.strip()[:60]!r}; expected 'v x y z' or 'f a b c'")
-            if words[0] == "f":
-                sizes.append(len(corners))
-                # Negative numbers count back from the last vertex so far.
-                faces += [corner - 1 if corner > 0 else len(points) + corner for corner in corners]
-    blocks, _ = vtk_cells.faces(np.array(sizes, dtype=np.int64), np.array(faces, dtype=np.int64), {})
-    return RawMesh(np.array(points).reshape(-1, 3), blocks), []
+    text = path.read_bytes()
+    text.decode("utf-8")  # raises for what is no text
+    if b"#" in text:
+        text = re.sub(rb"#[^\r\n]*", b"", text)
+    text = text.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ") if b"\\" in text else text
+    if b"\n" not in text:
+        text = text.replace(b"\r", b"\n")
+    try:
+        points, widths = number_rows(text, np.float64, b"v")
+        corners, sizes = number_rows(text, np.int64, b"f", b"/")  # texture coordinates and normals are behind slashes
+    except InputError:
+        _refuse_line(text)
+        raise
+    if (widths < 3).any() or (sizes < 1).any() or (corners == 0).any():
+        _refuse_line(text)
+    if (corners < 0).any():  # these count back from the last vertex so far
+        corners = np.where(corners > 0, corners, np.repeat(_before(text), sizes) + corners + 1)
+    places = columns_of_rows(points, widths, 0, 3).reshape(-1, 3)  # colours may follow
+    blocks, _ = vtk_cells.faces(sizes, corners - 1, {})
+    return RawMesh(places, blocks), []
+
+
+def _before(text: bytes) -> Ints:
+    """How many vertices there are before each face."""
+    heads = [line.split(None, 1)[:1] for line in text.lower().split(b"\n")]
+    vertices = np.cumsum([head == [b"v"] for head in heads])
+    return vertices[[head == [b"f"] for head in heads]]
+
+
+def _refuse_line(text: bytes) -> None:
+    """Name the first line that is wrong."""
+    for number, line in enumerate(text.split(b"\n"), start=1):
+        letter, *words = line.split() or [b""]
+        try:
+            if letter in (b"v", b"V"):
+                good = len([float(word) for word in words]) >= 3
+            elif letter in (b"f", b"F"):
+                good = bool(words) and 0 not in [int(word.split(b"/")[0]) for word in words]
+            else:
+                good = True
+        except ValueError:
+            good = False
+        if not good:
+            said = line.strip()[:60].decode("utf-8", "replace")
+            raise InputError(f"line {number} is {said!r}; expected 'v x y z' or 'f a b c'")
 
 
 def write(path: Path, surface: SurfaceMesh) -> None:

@@ -1,7 +1,6 @@
 """OFF surfaces, read here: meshio takes one header layout only and waits for ever on a file that ends in it."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,9 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.io import vtk_cells
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import columns_of_rows, lists_of_rows, next_rows, shown
 from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.types import Floats, Ints
 
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
@@ -17,25 +18,23 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
 
     Raises :class:`InputError`, without the file's name, for a malformed or short file.
     """
-    with path.open(encoding="utf-8", errors="strict") as file:
-        rows = (words for line in file if (words := line.partition("#")[0].split()))
-        head = next(rows, [""])
-        if not re.fullmatch("[STCN]*OFF", head[0]):  # the letters announce texture, colours and normals per vertex
-            raise InputError(f"begins with {head[0][:20]!r}; expected 'OFF'")
-        counts = head[1:] or next(rows, [])
-        if len(counts) < 2 or not all(count.isdigit() for count in counts[:2]):
+    text = path.read_bytes()
+    text.decode("utf-8")  # raises for what is no text
+    text = re.sub(rb"#[^\r\n]*", b"", text) if b"#" in text else text
+    if b"\n" not in text:
+        text = text.replace(b"\r", b"\n")
+    # The letters announce texture, colours and normals per vertex; the counts may stand in the same line.
+    head = re.match(rb"\s*[STCN]*OFF(?:[^\S\n]*\n)?\s*(\d+)\s+(\d+)[^\n]*(?:\n|$)", text)
+    if not head:
+        first = (text[:200].split(None, 1) or [b""])[0]
+        if re.fullmatch(rb"[STCN]*OFF", first):
             raise InputError("has no line with its numbers of vertices and faces")
-        points = [_numbers(rows, "vertex", k, int(counts[0]))[:3] for k in range(int(counts[0]))]
-        sizes, faces = [], []
-        for k in range(int(counts[1])):
-            row = _numbers(rows, "face", k, int(counts[1]))
-            sizes.append(int(row[0]))
-            corners = row[1 : 1 + sizes[-1]]
-            if len(corners) != sizes[-1]:
-                raise InputError(f"face {k} of {counts[1]} has {len(corners)} corners but announces {sizes[-1]}")
-            faces += [int(corner) for corner in corners]
-    blocks, _ = vtk_cells.faces(np.array(sizes, dtype=np.int64), np.array(faces, dtype=np.int64), {})
-    return RawMesh(np.array(points).reshape(-1, 3), blocks), []
+        raise InputError(f"begins with {shown(first)}; expected 'OFF'")
+    vertices, faces = int(head[1]), int(head[2])
+    points, at = _points(text, head.end(), vertices)
+    sizes, corners = _corners(text, at, faces)
+    blocks, _ = vtk_cells.faces(sizes, corners, {})
+    return RawMesh(points, blocks), []
 
 
 def write(path: Path, surface: SurfaceMesh) -> None:
@@ -46,13 +45,31 @@ def write(path: Path, surface: SurfaceMesh) -> None:
         file.writelines(f"3 {a} {b} {c}\n" for a, b, c in surface.triangles.tolist())
 
 
-def _numbers(rows: Iterator[list[str]], kind: str, number: int, count: int) -> list[float]:
-    words = next(rows, [])
+def _points(text: bytes, at: int, count: int) -> tuple[Floats, int]:
+    """The vertices, a line for each from a place on, and the place behind them."""
+    values, widths, end = next_rows(text, np.float64, at, count)
+    _check("vertex", count, np.full(len(widths), 3), widths)
+    return columns_of_rows(values, widths, 0, 3).reshape(-1, 3), end
+
+
+def _corners(text: bytes, at: int, count: int) -> tuple[Ints, Ints]:
+    """How many corners each face has, and all corners."""
     try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    needed = 3 if kind == "vertex" else 4
-    if len(values) < needed:
-        raise InputError(f"{kind} {number} of {count} is {' '.join(words)[:60]!r}; expected {needed} numbers")
-    return values
+        values, widths, _ = next_rows(text, np.int64, at, count)
+    except InputError:  # colours may be fractions
+        reals, widths, _ = next_rows(text, np.float64, at, count)
+        values = reals.astype(np.int64)
+    sizes = columns_of_rows(values, widths, 0, 1).reshape(-1)
+    _check("face", count, 1 + np.maximum(sizes, 0), widths)
+    return sizes, lists_of_rows(values, widths, np.ones_like(sizes), sizes)
+
+
+def _check(kind: str, count: int, needed: Ints, widths: Ints) -> None:
+    """Name the first row that has fewer numbers than it needs, or the first that is not there."""
+    short = np.flatnonzero(widths < needed)
+    if len(short):
+        row = short[0]
+        raise InputError(f"{kind} {row} of {count} has {widths[row]} numbers; expected {needed[row]}")
+    if len(widths) < count:
+        least = 3 if kind == "vertex" else 4
+        raise InputError(f"ends within {kind} {len(widths)} of {count}; expected {least} numbers for each")

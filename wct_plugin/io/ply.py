@@ -4,7 +4,7 @@ MeshLab stores its quality per face after the vertex list, where meshio's reader
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io import vtk_cells
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import lists_of_rows, next_rows
 from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.types import Ints
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -49,13 +51,34 @@ class _Element:
     properties: list[_Property]
 
 
+@dataclass(frozen=True, eq=False)
+class _Lists:
+    """A list for each row: how many values each has, and all values one after the other."""
+
+    sizes: Ints
+    values: NDArray[Any]
+
+    @classmethod
+    def of(cls, rows: Sequence[NDArray[Any]], kind: str) -> "_Lists":
+        sizes = np.array([len(row) for row in rows], dtype=np.int64)
+        return cls(sizes, np.concatenate([*rows, np.empty(0, dtype=kind)]))
+
+    @classmethod
+    def of_table(cls, table: NDArray[Any]) -> "_Lists":
+        return cls(np.full(len(table), table.shape[1]), np.ascontiguousarray(table).ravel())
+
+
 def read(path: Path) -> tuple[RawMesh, list[str]]:
     """The surface, and what of the file it cannot hold. Raises :class:`InputError` without the file's name."""
     with path.open("rb") as file:
         layout, elements = _header(file)
         columns = {}
+        text, at = file.read() if layout == "" else b"", 0
         for element in elements:  # all that come before the last wanted one must be walked through
-            columns[element.name] = _ascii(file, element) if layout == "" else _binary(file, element, layout)
+            if layout == "":
+                columns[element.name], at = _text(text, at, element)
+            else:
+                columns[element.name] = _binary(file, element, layout)
     for needed in ("vertex", "face"):
         if needed not in columns:
             raise InputError(f"has no element {needed!r}; a surface needs vertices and faces")
@@ -63,17 +86,15 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     if not {"x", "y", "z"} <= vertex.keys():
         raise InputError("its vertices lack x, y or z")
     corners = next((face.pop(name) for name in _CORNERS if name in face), None)
-    if corners is None:
+    if not isinstance(corners, _Lists):
         raise InputError(f"its faces have no list {_CORNERS[0]!r}")
-    lost = [f"face lists {name!r}" for name, values in face.items() if isinstance(values, list)]
-    lost += [f"vertex lists {name!r}" for name, values in vertex.items() if isinstance(values, list)]
+    lost = [f"face lists {name!r}" for name, values in face.items() if isinstance(values, _Lists)]
+    lost += [f"vertex lists {name!r}" for name, values in vertex.items() if isinstance(values, _Lists)]
     lost += [f"elements {element.name!r}" for element in elements if element.name not in ("vertex", "face")]
     points = np.column_stack([vertex.pop(axis) for axis in "xyz"])
-    point_data = {name: values for name, values in vertex.items() if not isinstance(values, list)}
-    cell_data = {name: values for name, values in face.items() if not isinstance(values, list)}
-    sizes = np.array([len(face) for face in corners], dtype=np.int64)
-    flat = np.concatenate([*corners, np.empty(0, np.int64)]).astype(np.int64)
-    blocks, blocks_data = vtk_cells.faces(sizes, flat, cell_data)
+    point_data = {name: values for name, values in vertex.items() if not isinstance(values, _Lists)}
+    cell_data = {name: values for name, values in face.items() if not isinstance(values, _Lists)}
+    blocks, blocks_data = vtk_cells.faces(corners.sizes, corners.values.astype(np.int64), cell_data)
     return RawMesh(points, blocks, point_data, blocks_data), lost
 
 
@@ -141,7 +162,8 @@ def _binary(file: IO[bytes], element: _Element, order: str) -> dict[str, Any]:
     data = file.read(row.itemsize * element.count)
     table = np.frombuffer(data[: len(data) // row.itemsize * row.itemsize], dtype=row)
     if len(table) == element.count and all((table[f"#{name}"] == size).all() for name, size in lengths.items()):
-        return {prop.name: _column(table[prop.name], prop) for prop in element.properties}
+        return {prop.name: _Lists.of_table(table[prop.name]) if prop.count else table[prop.name]
+                for prop in element.properties}  # fmt: skip
     file.seek(here)  # lists of different lengths, or the file is too short: row by row tells which
     return _gather(element, _binary_rows(file, element, order))
 
@@ -180,36 +202,43 @@ def _take(file: IO[bytes], kind: str, size: int, element: _Element, number: int)
     return values
 
 
-def _ascii(file: IO[bytes], element: _Element) -> dict[str, Any]:
-    return _gather(element, _ascii_rows(file, element))
+def _text(text: bytes, at: int, element: _Element) -> tuple[dict[str, Any], int]:
+    """The columns of an element, a line for each from a place on, and the place behind them."""
+    real = any(prop.type[0] == "f" for prop in element.properties)
+    values: NDArray[Any]
+    kind: Any = np.float64 if real else np.int64
+    values, widths, end = next_rows(text, kind, at, element.count)
+    if len(widths) < element.count:
+        raise InputError(f"ends within {element.name} {len(widths)} of {element.count}")
+    starts = np.cumsum(widths) - widths
+    place = np.zeros(element.count, dtype=np.int64)  # of the next property, within each row
+    columns: dict[str, Any] = {}
+    for prop in element.properties:
+        _check_rows(element, place + 1, widths)
+        found = values[starts + place]
+        place += 1
+        if not prop.count:
+            columns[prop.name] = found.astype(prop.type)
+            continue
+        sizes = found.astype(np.int64)
+        _check_rows(element, place + sizes, widths, sizes)
+        columns[prop.name] = _Lists(sizes, lists_of_rows(values, widths, place, sizes).astype(prop.type))
+        place += sizes
+    return columns, end
 
 
-def _ascii_rows(file: IO[bytes], element: _Element) -> Iterator[list[Any]]:
-    for number in range(element.count):
-        words = file.readline().split()
-        row: list[Any] = []
-        for prop in element.properties:
-            size = int(words.pop(0)) if prop.count and words else 1
-            if len(words) < size:
-                raise InputError(f"ends within {element.name} {number} of {element.count}")
-            values = np.array(words[:size], dtype=float).astype(prop.type) if size else np.empty(0, prop.type)
-            del words[:size]
-            row.append(values if prop.count else values[0])
-        yield row
+def _check_rows(element: _Element, needed: Ints, widths: Ints, sizes: Ints | None = None) -> None:
+    bad = np.flatnonzero((needed > widths) | (False if sizes is None else sizes < 0))
+    if len(bad):
+        raise InputError(f"ends within {element.name} {bad[0]} of {element.count}")
 
 
 def _gather(element: _Element, rows: Iterator[list[Any]]) -> dict[str, Any]:
     columns = list(zip(*rows, strict=True)) or [()] * len(element.properties)
     return {
-        prop.name: list(column) if prop.count and len({len(value) for value in column}) > 1 else
-        _column(np.array(column, dtype=prop.type), prop)
+        prop.name: _Lists.of(column, prop.type) if prop.count else np.array(column, dtype=prop.type)
         for prop, column in zip(element.properties, columns, strict=True)
-    }  # fmt: skip
-
-
-def _column(values: NDArray[Any], prop: _Property) -> Any:
-    """Lists of one common length stay lists, except the corners, which are to become an array."""
-    return list(values) if prop.count and prop.name not in _CORNERS else values
+    }
 
 
 def _storable(values: NDArray[Any]) -> NDArray[Any]:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import plain_numbers
 from wct_plugin.io.companions import companion
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
+from wct_plugin.io.text_lines import numbers_of_type
 
 _KINDS = {2: "line", 3: "triangle", 4: "tetra"}
 #: What the elements are called: of old, and by newer versions.
@@ -53,7 +53,7 @@ def _array(path: Path, element: ET.Element | None, key: str) -> NDArray[Any]:
     if head["format"] == "binary":
         values = np.frombuffer(body, dtype.newbyteorder("<")).astype(dtype)
     else:
-        values = plain_numbers.parse(body, np.float64 if dtype.kind == "f" else np.int64)
+        values = numbers_of_type(body, dtype)
     if not shape or int(np.prod(shape)) != len(values):
         raise InputError(f"{name} has {len(values)} numbers but announces {head.get('dims')}")
     return values.reshape(shape)

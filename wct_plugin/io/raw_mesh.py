@@ -41,4 +41,7 @@ class RawMesh:
     field_data: dict[str, NDArray[Any]] = field(default_factory=dict)  #: gmsh's physical names: tag, dimension
     families: Mapping[int, list[str]] = field(default_factory=dict)  #: MED: the groups that each tag stands for
     periodic: list[Any] = field(default_factory=list)  #: gmsh: dimension, tags, affine map, pairs of points
+    #: Abaqus: the type of the elements of a kind of cell (``{"tetra": "C3D4", "triangle": "S3"}``); where there are
+    #: several of a kind, the first.
+    element_types: Mapping[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  #: what was done to what the file holds, a line each, for the user

@@ -2,16 +2,19 @@
 
 import importlib
 import warnings
+from contextlib import ExitStack
 from pathlib import Path
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import formats
 from wct_plugin.io.assembly import to_mesh
+from wct_plugin.io.compressed import unpacked
 from wct_plugin.io.meshio_readers import load, refusing
+from wct_plugin.io.standard_streams import STREAM, spooled
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
-def read(path: str | Path, *, repair: bool = False) -> TetMesh | SurfaceMesh:
+def read(path: str | Path, *, suffix: str | None = None, repair: bool = False) -> TetMesh | SurfaceMesh:
     """Read a mesh in any format of :data:`~wct_plugin.io.formats.FORMATS`.
 
     Tets in the file make a :class:`TetMesh`, with the triangles, lines and vertices beside them as its tagged
@@ -24,7 +27,10 @@ def read(path: str | Path, *, repair: bool = False) -> TetMesh | SurfaceMesh:
     Parameters
     ----------
     path : str or Path
-        The file; its suffix tells the format.
+        The file, packed by gzip or not; its suffix tells the format: ``part.vtu``, ``part.msh.gz``. ``-`` is standard
+        input.
+    suffix : str, optional
+        The suffix that tells the format, as ``vtu``, where the name does not.
     repair : bool, optional
         Whether broken tets are dropped or mended: repeated ones, those with a vertex twice, those of zero volume. A
         warning counts them. Without it they are refused.
@@ -46,17 +52,26 @@ def read(path: str | Path, *, repair: bool = False) -> TetMesh | SurfaceMesh:
         not to be repaired, or cannot.
     """
     file = Path(path)
-    form = formats.to_read(file)
+    form = formats.to_read(file, suffix)
+    with ExitStack() as stack:
+        if str(path) == STREAM:
+            file = stack.enter_context(spooled("".join(formats.meant(file, suffix).suffixes), form))
+        return _of_file(path, file, form, repair=repair)
+
+
+def _of_file(path: str | Path, file: Path, form: formats.Format, *, repair: bool) -> TetMesh | SurfaceMesh:
+    """The mesh of a file, which the user knows as ``path``."""
     _check_file(path, file)
     try:
-        mesh, lost, notes = _read(file, form, str(path), repair=repair)
+        with unpacked(file, form) as plain:
+            mesh, lost, notes = _read(plain, form, str(path), repair=repair)
     except InputError as error:
         error.args = (f"{path}: {error}", *error.args[1:])
         raise
     if lost:
-        warnings.warn(f"{path}: not read: {', '.join(lost)}", WctWarning, stacklevel=2)
+        warnings.warn(f"{path}: not read: {', '.join(lost)}", WctWarning, stacklevel=3)
     for note in notes:
-        warnings.warn(f"{path}: {note}", WctWarning, stacklevel=2)
+        warnings.warn(f"{path}: {note}", WctWarning, stacklevel=3)
     return mesh
 
 

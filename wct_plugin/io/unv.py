@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import plain_numbers
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import numbers
 from wct_plugin.io.unv_cells import Cells, cells_of
 from wct_plugin.io.unv_groups import Group, groups_of, put_groups
 
@@ -80,13 +80,9 @@ def _datasets(data: bytes) -> list[tuple[str, list[bytes]]]:
 def _nodes(lines: list[bytes], *, lines_each: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Labels and coordinates, whose exponents Fortran writes with a D."""
     if lines_each == 1:
-        table = plain_numbers.parse(_fortran(lines)).reshape(len(lines), -1)
+        table = numbers(b" ".join(lines), np.float64).reshape(len(lines), -1)
         return table[:, 0].astype(np.int64), table[:, 4:7]
     if len(lines) % 2:
         raise InputError("ends within a point")
-    labels = plain_numbers.parse(b" ".join(lines[::2]), np.int64).reshape(len(lines) // 2, -1)[:, 0]
-    return labels, plain_numbers.parse(_fortran(lines[1::2])).reshape(len(labels), 3)
-
-
-def _fortran(lines: list[bytes]) -> bytes:
-    return b" ".join(lines).replace(b"D", b"E").replace(b"d", b"e")
+    labels = numbers(b" ".join(lines[::2]), np.int64).reshape(len(lines) // 2, -1)[:, 0]
+    return labels, numbers(b" ".join(lines[1::2]), np.float64).reshape(len(labels), 3)

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import plain_numbers
 from wct_plugin.io.raw_mesh import RawBlock
 from wct_plugin.io.record_runs import runs
+from wct_plugin.io.text_lines import numbers
 
 #: By dimension and number of points: meshio's name, and its order of the points where it differs. Cells of second order
 #: list corners and mid nodes in turn here.
@@ -53,7 +53,7 @@ def cells_of(lines: list[bytes], lost: list[str], *, old: bool) -> list[Cells]:
 
     ``lost`` grows by what is no cell of a mesh: springs, rigid links and the like.
     """
-    flat = plain_numbers.parse(b" ".join(lines), np.int64)
+    flat = numbers(b" ".join(lines), np.int64)
     head, kept = (8, (3, 5)) if old else (6, (2, 3))
 
     def layout(rest: NDArray[np.int64]) -> tuple[int, list[int]]:

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import plain_numbers
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import numbers
 from wct_plugin.io.unv_cells import Cells
 
 _TAGS = "cell_tags"
@@ -31,13 +31,13 @@ def groups_of(lines: list[bytes], width: int) -> list[Group]:
     made = []
     at = 0
     while at < len(lines):
-        head = plain_numbers.parse(lines[at], np.int64)
+        head = numbers(lines[at], np.int64)
         if len(head) < 2 or at + 1 >= len(lines):
             raise InputError("ends within a group")
         count = int(head[-1])
         name = lines[at + 1].strip().decode("utf-8", "replace") or f"group {head[0]}"
         end = at + 2 - (-count * width // 8)
-        flat = plain_numbers.parse(b" ".join(lines[at + 2 : end]), np.int64)
+        flat = numbers(b" ".join(lines[at + 2 : end]), np.int64)
         if len(flat) != count * width:
             raise InputError(f"group {name!r} has {len(flat) // width} members but announces {count}")
         members = flat.reshape(-1, width)

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import lz4_block, plain_numbers, safe_xml
+from wct_plugin.io import lz4_block, safe_xml
+from wct_plugin.io.text_lines import numbers_of_type
 
 _TYPES = {
     "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4", "Int64": "i8",
@@ -76,7 +77,7 @@ def values(file: VtkXml, element: ET.Element) -> NDArray[Any]:
     dtype = np.dtype(file.order + _TYPES[kind])
     match element.get("format", "ascii"):
         case "ascii":
-            array = plain_numbers.parse((element.text or "").encode(), np.float64 if dtype.kind == "f" else np.int64)
+            array = numbers_of_type((element.text or "").encode(), dtype)
         case "binary":
             array = np.frombuffer(_content(file, "".join((element.text or "").split()).encode(), raw=False), dtype)
         case "appended":

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import plain_numbers
+from wct_plugin.io.text_lines import numbers_of_type
 
 #: Types by their names; binary files keep an id in 4 bytes, whatever VTK has in memory.
 _TYPES = {
@@ -94,7 +94,7 @@ class Source:
             return np.empty(0, dtype)
         text = self.data[starts[first] : ends[first + count - 1]]
         self.at = int(ends[first + count - 1])
-        return plain_numbers.parse(text, np.float64 if dtype.kind == "f" else np.int64).astype(dtype)
+        return numbers_of_type(text, dtype)
 
     def skip_text(self, count: int, kind: str) -> None:
         """Go on after an array of words: a line each, or the length before each."""

@@ -1,7 +1,8 @@
 """A :class:`TetMesh` or :class:`SurfaceMesh` becomes a file; what its format cannot carry is named in one warning."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import ObjectError, OutputError, WctWarning
-from wct_plugin.io import beside_tets, formats, gmsh_version, mid_nodes
+from wct_plugin.io import beside_tets, formats, gmsh_version, medit_sections, mid_nodes
 from wct_plugin.io.assembly import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
 from wct_plugin.io.atomic_files import replacing
+from wct_plugin.io.compressed import packing
 from wct_plugin.io.formats import PYVISTA, Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
 from wct_plugin.io.periodic_sides import numbered, sides_of
+from wct_plugin.io.standard_streams import STREAM, check_target, to_stdout
 from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
 
 #: The array that holds the tags, for formats that have one for this.
@@ -40,6 +43,7 @@ def write(
     binary: bool | None = None,
     groups: str | None = None,
     order: int | None = None,
+    suffix: str | None = None,
 ) -> None:
     """Write a mesh in the format of the path's suffix, whole or not at all; the mesh is left as it is.
 
@@ -49,7 +53,7 @@ def write(
     Parameters
     ----------
     path : str or Path
-        The file to write.
+        The file to write, packed by gzip if it ends in ``.gz``. ``-`` is standard output.
     mesh : TetMesh or SurfaceMesh
         What to write.
     version : {"2.2", "4.1"}, optional
@@ -64,6 +68,8 @@ def write(
         2: tets and what is tagged on them have nodes in the middle of their edges. They are where they were on edges
         that stayed, on the curved surface that was read on its new edges, and half way elsewhere. Without it 2 where
         the tets that were read had them and the format has such cells.
+    suffix : str, optional
+        The suffix that tells the format, as ``vtu``, where the name does not.
 
     Warns
     -----
@@ -86,7 +92,7 @@ def write(
             f"{path}: is given a {type(mesh).__name__}; wct_plugin.as_mesh makes a mesh of what can be one"
         )
     file = Path(path)
-    form = formats.to_write(file, volume=isinstance(mesh, TetMesh))
+    form = formats.to_write(file, volume=isinstance(mesh, TetMesh), suffix=suffix)
     msh = MshOptions(version, binary, groups)
     msh.check(path, form)
     second = mid_nodes.are_wanted(path, form, mesh, order)
@@ -98,7 +104,7 @@ def write(
         told.append(mid_nodes.put(content, mesh, form))
     elif isinstance(mesh, TetMesh) and mesh.second_order and order is None:
         lost.append("mid nodes of edges")
-    with replacing(file) as temporary:
+    with _target(path, form, suffix) as temporary:
         try:
             lost += save(temporary, form, mesh, content, msh)
         except (OSError, MemoryError, OutputError):
@@ -112,9 +118,22 @@ def write(
         warnings.warn(f"{path}: {line}", WctWarning, stacklevel=2)
 
 
-def check_groups(path: str | Path, mesh: TetMesh, msh: MshOptions) -> None:
+@contextmanager
+def _target(path: str | Path, form: Format, suffix: str | None) -> Iterator[Path]:
+    """Where the file is to be written that afterwards is what ``path`` says, in the place it says."""
+    check_target(path, form, suffix)
+    name = "".join(formats.meant(Path(path), suffix).suffixes)
+    with to_stdout(name) if str(path) == STREAM else replacing(path) as temporary:
+        named = temporary if suffix is None else temporary.with_name(f"output{name}")
+        with packing(named, form) as plain:
+            yield plain
+        if named != temporary:
+            named.replace(temporary)
+
+
+def check_groups(path: str | Path, mesh: TetMesh, msh: MshOptions, suffix: str | None = None) -> None:
     """Raise the error that :func:`write` would raise for the groups of the mesh; for use before long work."""
-    form = formats.to_write(Path(path), volume=True)
+    form = formats.to_write(Path(path), volume=True, suffix=suffix)
     if form.name == "gmsh" and msh.version == "2.2":
         _settled(path, contents(mesh, form)[0], msh)
 
@@ -188,14 +207,17 @@ def _blocks(mesh: TetMesh | SurfaceMesh) -> list[_Block]:
 
 
 def _fits(block: _Block, form: Format, lost: list[str]) -> bool:
-    if block.kind in form.cells or block.kind in form.others:
-        return True
-    lost.append(f"{len(block.cells)} {_called(block.kind)}")
-    return False
+    count = 0 if block.kind in form.cells or block.kind in form.others else len(block.cells)
+    if form.name == "Medit" and block.kind == "vertex":  # it has vertices of which something is said, and no others
+        said = [members for name, members in block.sets.items() if medit_sections.set_of(name, "vertex")]
+        count = len(block.cells) - len(np.unique(np.concatenate([*said, np.empty(0, dtype=np.int64)])))
+    if count:
+        lost.append(f"{count} {_called(block.kind)}")
+    return count < len(block.cells)
 
 
 def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]) -> None:
-    own = {"Medit": "medit:ref", "Nastran": "nastran:ref", "TetGen": "tetgen:ref"}.get(form.name)
+    own = {"Medit": "medit:ref", "TetGen": "tetgen:ref"}.get(form.name)
     for name, values in beside_tets.point_data_of(mesh).items():
         if name == own and values.dtype.kind in "iu" and values.ndim == 1:
             content.point_data[name] = np.array(values)
@@ -264,7 +286,9 @@ def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format,
                 block.sets[f"{TAG_SET}{block.kind}_{tag}"] = np.flatnonzero(block.tags == tag)
     for which, block in enumerate(blocks):
         for name, members in block.sets.items():
-            if form.sets and _fit_for_abaqus(name) and name not in content.cell_sets:
+            fits = form.sets and _fit_for_abaqus(name)
+            fits |= form.name == "Medit" and medit_sections.set_of(name, block.kind) is not None
+            if fits and name not in content.cell_sets:
                 content.cell_sets[name] = [members if k == which else members[:0] for k in range(len(blocks))]
             elif form.cell_data and (array := _array(SET + name, np.zeros(0, "u1"), form)) is not None:
                 key = _spelled(SET + name, form)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import plain_numbers
 from wct_plugin.io.companions import companion
+from wct_plugin.io.text_lines import numbers_of_type
 
 _KINDS = {"int": "i", "uint": "u", "float": "f", "char": "i", "uchar": "u", "short": "i", "ushort": "u"}
 #: Bytes of a number where the file does not say.
@@ -93,7 +93,7 @@ class XdmfFile:
                 array = self._from_hdf(text)
             case "XML":
                 dtype = _dtype(item)
-                array = plain_numbers.parse(text.encode(), np.float64 if dtype.kind == "f" else np.int64).astype(dtype)
+                array = numbers_of_type(text.encode(), dtype)
             case "BINARY":
                 array = self._from_bytes(text, item)
             case other:

@@ -27,18 +27,21 @@ class HeldSurface(NamedTuple):
     curves: Ints = np.empty(0, dtype=np.int64)  #: (c,) those they are of
 
     @classmethod
-    def of(cls, on: Reference, stays: Bools, fixed: Bools) -> Self:
-        """The reference's own facets of the patches that stay."""
+    def of(cls, on: Reference, stays: Bools, fixed: Bools, curves: Ints) -> Self:
+        """The reference's own facets of the patches that stay, and its own edges of the curves (c,)."""
         rows = stays[on.strata.patch]
-        used, facets = np.unique(on.strata.triangles[rows], return_inverse=True)
+        triangles, segments = on.strata.triangles[rows], on.strata.segments[np.isin(on.strata.curve, curves)]
+        used, place = np.unique(np.concatenate([triangles.ravel(), segments.ravel()]), return_inverse=True)
         stratum = on.strata.stratum[used]
         return cls(
             on.points[used],
             stratum,
             np.where(stratum == 3, used, on.strata.label[used]),
-            facets.reshape(-1, 3),
+            place[: triangles.size].reshape(-1, 3),
             on.strata.patch[rows],
             np.flatnonzero(fixed),
+            place[triangles.size :].reshape(-1, 2),
+            curves,
         )
 
     def all_curves(self, on: Reference) -> Ints:

@@ -62,13 +62,25 @@ class Pipeline:
         """Whether it needs a mesh or file put before it: it begins with a stage that takes what comes before."""
         return bool(self.steps) and not self.steps[0].stage.starts() and not self.steps[0].inputs
 
-    def between(self, source: Any, targets: Iterable[str | Path] = ()) -> "Pipeline":
-        """The pipeline with a reader of ``source``, a file or mesh, before it and writers of ``targets`` behind it."""
+    def between(
+        self,
+        source: Any,
+        targets: Iterable[str | Path] = (),
+        *,
+        input_format: str | None = None,
+        output_format: str | None = None,
+    ) -> "Pipeline":
+        """The pipeline with a reader of ``source``, a file or mesh, before it and writers of ``targets`` behind it.
+
+        The formats are suffixes, of files whose names do not tell them.
+        """
         if self.steps and not self.is_open:
             given = source if isinstance(source, str | Path) else called(source)
             raise OptionError(f"{label(self.steps, 0)}: needs no input; only filters that take a mesh can have {given}")
-        ends = [Step(find_stage(writer_type(str(target)))(filename=target)) for target in targets]
-        return Pipeline((Step(ReadMesh(filename=source)), *self.steps, *ends))
+        written = {} if output_format is None else {"format": output_format}
+        ends = [Step(find_stage(writer_type(str(target)))(filename=target, **written)) for target in targets]
+        read = {} if input_format is None else {"format": input_format}
+        return Pipeline((Step(ReadMesh(filename=source, **read)), *self.steps, *ends))
 
     def check(self, kinds: Iterable[Kind] | None = None, *, read: bool = False) -> None:
         """Check everything that can be checked before running: wiring, tags, files, formats and kinds of mesh.

@@ -14,6 +14,7 @@ from wct_plugin.duals.dual_files import DualFormat
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.io import atomic_files, check_groups, check_order, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
+from wct_plugin.io.standard_streams import STREAM, check_target
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.flow import Flow, side_by_side
@@ -91,7 +92,11 @@ class SourceOptions(Options):
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     filename: Any = Field(
-        description="The file; its suffix tells the format", json_schema_extra={"type": "string", "minLength": 1}
+        description="The file, - for standard input; its suffix tells the format",
+        json_schema_extra={"type": "string", "minLength": 1},
+    )
+    format: str | None = Field(
+        None, description="Suffix of the format, as vtu, of a file whose name does not tell it (none: it does)"
     )
     repair: bool = Field(False, description="Drop or mend broken tets: repeated, flat, or with a vertex twice")
 
@@ -116,24 +121,35 @@ class ReadMesh(Reader[SourceOptions]):
         given = self.options.filename
         if not isinstance(given, str):
             return frozenset({type(given)})
-        form = formats.to_read(Path(given))
+        form = formats.to_read(Path(given), self.options.format)
         able: dict[Kind, bool] = {TetMesh: form.volume, SurfaceMesh: form.surface}
         return frozenset(kind for kind, can in able.items() if can)
 
     def validate(self) -> None:  # noqa: D102
         given = self.options.filename
         if isinstance(given, str):
-            formats.to_read(Path(given))
-            if not Path(given).exists():
+            formats.to_read(Path(given), self.options.format)
+            if given != STREAM and not Path(given).exists():
                 raise InputError(f"{given}: no such file")
 
     def read(self) -> Mesh:  # noqa: D102
         given: Mesh | str = self.options.filename
-        return read(given, repair=self.options.repair) if isinstance(given, str) else given
+        if not isinstance(given, str):
+            return given
+        return read(given, suffix=self.options.format, repair=self.options.repair)
 
 
-class MeshFileOptions(FileOptions):
-    """A file by name, with or without mid nodes, and how it is written if it is gmsh's."""
+class TargetOptions(FileOptions):
+    """A mesh file by name."""
+
+    filename: str = Field(min_length=1, description="The file, - for standard output; its suffix tells the format")
+    format: str | None = Field(
+        None, description="Suffix of the format, as vtu, of a file whose name does not tell it (none: it does)"
+    )
+
+
+class MeshFileOptions(TargetOptions):
+    """A mesh file by name, with or without mid nodes, and how it is written if it is gmsh's."""
 
     order: Literal[1, 2] | None = Field(
         None, description="2: tets with nodes in the middle of their edges (none: as the tets that were read)"
@@ -166,16 +182,18 @@ class WriteMesh(Writer[MeshFileOptions]):
         return self.options.filename
 
     def validate(self) -> None:  # noqa: D102
-        atomic_files.check_writable(self.filename)
+        if self.filename != STREAM:
+            atomic_files.check_writable(self.filename)
 
     def check_takes(self, kind: Kind) -> None:  # noqa: D102
-        form = formats.to_write(Path(self.filename), volume=kind is TetMesh)
+        form = formats.to_write(Path(self.filename), volume=kind is TetMesh, suffix=self.options.format)
         self.options.msh.check(self.filename, form)
+        check_target(self.filename, form, self.options.format)
         check_order(self.filename, form, self.options.order, volume=kind is TetMesh)
 
     def check_read(self, mesh: Mesh) -> None:  # noqa: D102
         if isinstance(mesh, TetMesh):
-            check_groups(self.filename, mesh, self.options.msh)
+            check_groups(self.filename, mesh, self.options.msh, self.options.format)
 
     def pass_on(self, flow: Flow) -> Flow:  # noqa: D102
         return flow.into(self.filename)
@@ -183,8 +201,16 @@ class WriteMesh(Writer[MeshFileOptions]):
     def write(self, flows: Mapping[str, Flow]) -> None:  # noqa: D102
         (flow,) = flows.values()
         msh = self.options.msh
-        order = self.options.order
-        write(self.filename, flow.mesh, version=msh.version, binary=msh.binary, groups=msh.groups, order=order)
+        options = self.options
+        write(
+            self.filename,
+            flow.mesh,
+            version=msh.version,
+            binary=msh.binary,
+            groups=msh.groups,
+            order=options.order,
+            suffix=options.format,
+        )
 
 
 class ReportOptions(FileOptions):
