@@ -217,7 +217,8 @@ def test_other_cells_of_second_order_share_mid_nodes_with_tets(kind, tmp_path):
         "quad8": POINTS[:4].tolist(),
     }[kind]
     base = {"wedge15": [3, 4, 5], "pyramid13": [0, 1, 4], "hexahedron20": [4, 5, 6], "quad8": [0, 1, 2]}[kind]
-    tip = [*np.mean([corners[k] for k in base], axis=0), 0, -1.5 if kind == "pyramid13" else 0, 1.2]
+    away = np.array([0, -1.5 if kind == "pyramid13" else 0, 1.2])
+    tip = np.mean([corners[k] for k in base], axis=0) + away
     points = np.array([*corners, tip], dtype=float)
     edges = [(i, j) for i, j in cell_kinds.EDGES[plain]]
     tet = [*base, len(corners)]
