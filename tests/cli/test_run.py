@@ -82,7 +82,7 @@ def test_stdin_and_metadata_on_stdout(place, capsys, monkeypatch):
     assert main.run(["run", "-", "cube.vtu", "--metadata", "-"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["stages"][1]["metrics"]["tets"] == len(CUBE.tets)
-    assert found["stages"][0]["options"] == {"filename": "cube.vtu", "repair": False}
+    assert found["stages"][0]["options"] == {"filename": "cube.vtu", "format": None, "repair": False}
 
 
 def test_validate_checks_and_runs_nothing(place, capsys):

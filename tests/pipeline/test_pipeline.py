@@ -249,7 +249,8 @@ def test_metadata_is_json_and_says_all(place):
     assert found["versions"]["wct_plugin"]
     assert found["goal_met"] == result.goal_met
     reader, optimizer = found["stages"]
-    assert reader["options"] == {"filename": f"<tet mesh of {len(given.tets)} tets>", "repair": False}
+    name = f"<tet mesh of {len(given.tets)} tets>"
+    assert reader["options"] == {"filename": name, "format": None, "repair": False}
     assert optimizer["type"] == "filters.meshing_well_centered"
     assert (optimizer["options"]["goal"], optimizer["options"]["seed"]) == ("3wc", 0)
     assert optimizer["seconds"] > 0
