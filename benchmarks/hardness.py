@@ -98,15 +98,7 @@ def _dihedrals(mesh: TetMesh, tet: Ints, k: Ints) -> Floats:
     return angles
 
 
-def _count(
-    mesh: TetMesh,
-    place: np.ndarray,
-    region: np.ndarray,
-    angle: Floats,
-    bad: Bools,
-    bins: tuple[float, ...],
-    into: Counts,
-) -> None:
+def _count(place: Ints, region: Ints, angle: Floats, bad: Bools, bins: tuple[float, ...], into: Counts) -> None:
     """Add up per place and region; all round is 360, or 1, as the last of the bins."""
     keys, index = np.unique(np.column_stack([place, region]), axis=0, return_inverse=True)
     filled = np.bincount(index.ravel(), angle)

@@ -175,7 +175,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const std::optional<Array> &fixed, const std::optional<Array> &fixed_curves,
                               const std::optional<Array> &loose, double worth, double flat,
                               const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets,
-                              const std::optional<Array> &local_tolerance, const std::optional<long> &most_evaluations) {
+                              const std::optional<Array> &local_tolerance,
+                              const std::optional<long> &most_evaluations) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
