@@ -1,6 +1,7 @@
 """The writers: meshio's where they do, our own where it fails or cannot; called by :mod:`.writer` alone."""
 
 import io
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -97,7 +98,15 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
                 meshio_module(form.module).write(str(path), content.mesh())
                 if form.name == "VTU" and content.names:
                     _add_names(path, content.names)
+                if form.name == "Nastran":
+                    _use_standard_names(path)
     return said
+
+
+def _use_standard_names(path: Path) -> None:
+    """Meshio calls elements of second order CTETRA_ and so on, which Nastran does not know."""
+    text = path.read_text()
+    path.write_text(re.sub(r"^(C(?:TETRA|PYRA|PENTA|HEXA))_", r"\1 ", text, flags=re.MULTILINE))
 
 
 def _write_gmsh(path: Path, content: Content, msh: MshOptions) -> None:

@@ -48,6 +48,7 @@ _ELEMENTS = {
     "CTRIA6": _Element("triangle", 3, "triangle6", 6), "CQUAD8": _Element("quad", 4, "quad8", 8),
     "CBAR": _BARS, "CBEAM": _BARS, "CROD": _BARS, "CTUBE": _BARS, "CONROD": _RODS, "PLOTEL": _RODS,
 }  # fmt: skip
+_ELEMENTS |= {f"{name}_": _ELEMENTS[name] for name in ("CTETRA", "CPYRA", "CPENTA", "CHEXA")}  # meshio's second order
 _OTHERS = re.compile(r"C(?:ELAS|DAMP|MASS|BUSH|WELD|FAST|ONM)\w*|CGAP|CVISC|CBEND|RBE[123]|RBAR1?|RROD")
 _WANTED = re.compile(rf"GRID|GRDSET|{'|'.join(_ELEMENTS)}|{_OTHERS.pattern}")
 
