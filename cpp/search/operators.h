@@ -51,7 +51,8 @@ class Operators {
     std::optional<int> refine(const Facet &key, const Vec3 &peak, double slack);
 
     bool ring(int a, int b, Ring &ring) const;
-    /// The same where several fans of tets meet in the edge, as where two bodies touch in it: tets and link in any order.
+    /// The same where several fans of tets meet in the edge, as where two bodies touch in it: tets and link in any
+    /// order.
     bool fans(int a, int b, Ring &ring) const;
     std::vector<int> touched;
     void touch(int v);
