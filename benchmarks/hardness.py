@@ -1,6 +1,6 @@
 """Which corners, edges and joints come right how often: random bodies of several regions, well-centered and counted.
 
-``python -m benchmarks.hardness [FIRST LAST]`` prints a line per body, drawn by these seeds, and the tables that
+``python -m benchmarks.hardness SEED...`` prints a line per body, drawn by these seeds, and the tables that
 docs/hardness.md shows.
 """
 
@@ -32,14 +32,14 @@ Counts = dict[tuple[int, str], list[int]]  # bin, place -> how many there are, a
 
 
 @click.command()
-@click.argument("first", default=0)
-@click.argument("last", default=19)
-def main(first: int, last: int) -> None:
+@click.argument("seeds", nargs=-1, type=int)
+def main(seeds: tuple[int, ...]) -> None:
     """Print it all."""
     edges: Counts = defaultdict(lambda: [0, 0])
     corners: Counts = defaultdict(lambda: [0, 0])
+    seeds = seeds or tuple(range(20))
     right = 0
-    for seed in range(first, last + 1):
+    for seed in seeds:
         with tempfile.TemporaryDirectory() as folder:
             body = random_body(Path(folder), seed)
         began = time.process_time()
@@ -55,7 +55,7 @@ def main(first: int, last: int) -> None:
         )
         _count_edges(mesh, bad, edges)
         _count_corners(mesh, bad, corners)
-    click.echo(f"\n{right} of {last - first + 1} bodies come right\n")
+    click.echo(f"\n{right} of {len(seeds)} bodies come right\n")
     _print("a region fills at an edge, degrees", _EDGE_BINS, edges)
     _print("a region fills at a corner, of all round", _CORNER_BINS, corners)
 
