@@ -174,7 +174,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Where that is stuck, it goes on for longer, then starts again with shorter edges there, five times at most; if few
-    tets are, the rest stays. All that ends after so much work, counted, as takes about 5 s and 5 ms per tet of CPU
+    tets are, the rest stays. All that ends after so much work, counted, as takes about 6 s and 4 ms per tet of CPU
     time; ``effort`` multiplies it.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Facets of a set RequiredTriangles and edges of a set RequiredEdges, as Medit's files have them, stay to the bit;
@@ -210,7 +210,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self._surface = _load(self.options.reference)  # now, so that a file of no use is refused before any work
-        self._share_of_all = 1.0  # of the tets, where a mesh is worked on part by part
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         tets = beside.alone(mesh)
@@ -361,7 +360,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
                 boundary=boundary_choice.in_part(self.options.boundary, part, coincident.SHEETS),
                 max_tets=most,
             )
-            one._share_of_all = len(part.tets) / len(mesh.tets)
             size = None if wanted is None else wanted[points]
             _, new, found = one._whole(given, reference, size, progress, tangled=tangled)
             made.append(new)
@@ -431,7 +429,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
         limit = TetLimit(options.max_tets, listen)
-        allowed = WorkLimit(len(mesh.tets), options.effort, self._share_of_all)
+        allowed = WorkLimit(len(mesh.tets), options.effort)
         fixed = np.flatnonzero(choices.fixed)
         search = LocalSearch(
             straight,

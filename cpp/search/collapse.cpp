@@ -56,7 +56,7 @@ bool Operators::collapse(int a, int b, double slack) {
     if (gone.stratum != Stratum::interior) {
         if (gone.stratum == Stratum::crease && complex_.curve_of(a, b) != gone.label)
             return false;
-        if (complex_.vertex(b).stratum < gone.stratum || !fans(a, b, ring_))
+        if (complex_.vertex(b).stratum < gone.stratum || !ring(a, b, ring_))
             return false;
         const bool along =
             std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });

@@ -1,9 +1,9 @@
 """How long a search may go on: counted in work, not in seconds, so that its result is the same on any machine."""
 
 #: Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. From 6 to 14
-#: of them take a microsecond, so that all together ends within 5 s and 5 ms per tet of CPU time, about.
-_BASE = 50_000_000
-_PER_TET = 35_000
+#: of them take a microsecond, so that all together ends within some 6 s and 4 ms per tet of CPU time.
+_BASE = 75_000_000
+_PER_TET = 42_000
 #: What making a start costs, in evaluations per tet of it.
 _START = 1_500
 
@@ -11,18 +11,17 @@ _START = 1_500
 class WorkLimit:
     """What searches and their starts may cost together, and have cost so far."""
 
-    def __init__(self, tets: int, effort: int, share: float = 1.0) -> None:
-        """Begin; ``tets`` of the input, which is this ``share`` of all that is worked on."""
+    def __init__(self, tets: int, effort: int) -> None:
+        """Begin; ``tets`` of the input."""
         self._tets = tets
         self._effort = effort
-        self._share = share
         self._spent = 0
         self.reached = False  #: whether a search or a start was cut off
 
     @property
     def left(self) -> int:
         """Evaluations that are left."""
-        allowed = self._effort * (_BASE * self._share + _PER_TET * self._tets)
+        allowed = self._effort * (_BASE + _PER_TET * self._tets)
         return max(0, int(allowed) - self._spent)
 
     def add_start(self, tets: int) -> None:
