@@ -160,9 +160,9 @@ class _Assembled:
             element_types=self._types,
         )
         for (kind, type_), parts in self._other_types.items():
-            members: list[Ints | None] = [None] * len(self._cells)
-            members[list(self._cells).index(kind)] = np.concatenate(parts)
-            raw.cell_sets[abaqus_names.TYPE_SET + type_] = members
+            rows: list[Ints | None] = [None] * len(self._cells)
+            rows[list(self._cells).index(kind)] = np.concatenate(parts)
+            raw.cell_sets[abaqus_names.TYPE_SET + type_] = rows
         names, scopes = [one.name for one in self._placed], [one.scopes for one in self._placed]
         elsets = Sets(names, scopes, self._elements, lambda scope: scope.elsets, self._lost)
         found = {name: elsets.members(*where) for name, where in elsets.every().items()}

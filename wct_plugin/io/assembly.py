@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import formats, region_choice
+from wct_plugin.io.abaqus_names import USUAL
 from wct_plugin.io.corners import corners_only
 from wct_plugin.io.periodic_sides import is_periodic
 from wct_plugin.io.polygons import as_triangles
@@ -120,7 +121,7 @@ def to_mesh(
         source=source,
         periodic=is_periodic(raw, lost),
         region_name=region_name,
-        element_types=raw.element_types,
+        element_types={kind: name for kind, name in raw.element_types.items() if name != USUAL.get(kind)},
     )
 
 

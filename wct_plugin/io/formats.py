@@ -71,11 +71,7 @@ FORMATS = (
         "XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf", beside=(".h5",)
     ),
     Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="gmsh_reader"),
-    Format(
-        *("MED", (".med",), "", _ALL, _ALL),
-        **dict.fromkeys(("point_data", "cell_data", "sets", "names"), True),
-        reader="med",
-    ),
+    Format(*("MED", (".med",), "", _ALL, _ALL), point_data=True, cell_data=True, sets=True, names=True, reader="med"),
     Format("Medit", (".mesh", ".meshb"), "", _ALL, _ALL[:3], reader="medit"),
     Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3], reader="nastran"),
     Format("Abaqus", (".inp",), "", _ALL[:3], sets=True, names=True, reader="abaqus"),

@@ -3,7 +3,7 @@
 import io
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -43,15 +43,16 @@ class Content:
 
     points: NDArray[np.float64]
     cells: list[tuple[str, NDArray[np.int64]]]
-    point_data: Arrays
-    cell_data: dict[str, list[NDArray[Any]]]
-    point_sets: dict[str, NDArray[np.int64]]
-    cell_sets: dict[str, list[NDArray[np.int64]]]
-    names: dict[str, NDArray[np.int64]]
-    groups: dict[str, dict[int, NDArray[np.int64]]]  #: by kind of cell, the members of groups that share cells
-    periodic: list[PeriodicSides]
-    comments: list[str]  #: of Abaqus: the numbers of tags
-    types: dict[str, str]  #: of Abaqus: the type of elements, by kind of cell
+    point_data: Arrays = field(default_factory=dict)
+    cell_data: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
+    point_sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+    cell_sets: dict[str, list[NDArray[np.int64]]] = field(default_factory=dict)
+    names: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+    #: By kind of cell, the members of groups that share cells.
+    groups: dict[str, dict[int, NDArray[np.int64]]] = field(default_factory=dict)
+    periodic: list[PeriodicSides] = field(default_factory=list)
+    comments: list[str] = field(default_factory=list)  #: of Abaqus: the numbers of tags
+    types: dict[str, str] = field(default_factory=dict)  #: of Abaqus: the type of elements, by kind of cell
 
     def mesh(self, **extra: Any) -> Any:
         """All of it but the names as a meshio mesh."""

@@ -160,9 +160,7 @@ def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[s
         points = _rounded(given)
         if (points != given).any():
             lost.append("digits of coordinates beyond what 16 characters hold")
-    content = Content(
-        points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {}, [], [], {}
-    )
+    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks])
     _put_point_data(content, mesh, form, lost)
     _put_cell_data(content, blocks, form, lost)
     names = dict(mesh.names) if isinstance(mesh, TetMesh) else {}

@@ -214,6 +214,7 @@ class TetMesh(Pickled):
         store_mapping(self, "cell_data", checked_data(self.cell_data, len(tets), "tet"))
         store_mapping(self, "tet_sets", checked_sets(self.tet_sets, len(tets), "tet"))
         store_mapping(self, "names", dict(self.names))
+        store_mapping(self, "element_types", dict(self.element_types))
         _set(self, "repairs", self.repairs + Repairs(flipped, orphans, stray))
 
     def _drop_orphans(self, used: NDArray[np.bool_]) -> int:
