@@ -5,6 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field
 
 from wct_plugin.creation import bundled_meshes, metrics
+from wct_plugin.creation.face_groups import with_faces
 from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
@@ -30,7 +31,8 @@ class CreateCube(FilterStage[CubeOptions]):
 
     ``194_best`` has better quality than the paper's best cube, of 224 tets; ``32`` than its 3-well-centered one of 146.
     Coordinates have five decimals. The smaller the mesh, the narrower its margin: in h/R and in the
-    cosines of the facet angles, that of ``104`` is 0.034, of ``87`` 0.008, of ``84`` 0.0002.
+    cosines of the facet angles, that of ``104`` is 0.034, of ``87`` 0.008, of ``84`` 0.0002. The facets of the faces
+    are tagged 1 to 6, ``x_min`` to ``z_max``.
     """
 
     name = "create_cube"
@@ -41,5 +43,5 @@ class CreateCube(FilterStage[CubeOptions]):
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         points, tets = bundled_meshes.load(f"cube_{self.options.variant}")
-        made = TetMesh(points * self.options.size, tets)
+        made = with_faces(TetMesh(points * self.options.size, tets))
         return made, metrics.metrics(made)

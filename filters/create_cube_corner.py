@@ -3,6 +3,7 @@
 from pydantic import Field
 
 from wct_plugin.creation import bundled_meshes, metrics
+from wct_plugin.creation.face_groups import with_faces
 from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
@@ -19,7 +20,8 @@ class CreateCubeCorner(FilterStage[CubeCornerOptions]):
     """Make the corner of a cube, cut off by the plane through its neighbours, of 34 completely well-centered tets.
 
     No tet with three mutually orthogonal faces contains its circumcenter, so that the corner itself needs the most
-    work in any well-centered mesh of a box. This one looks the same from each of its three legs.
+    work in any well-centered mesh of a box. This one looks the same from each of its three legs. The
+    facets of the faces are tagged: ``x_min``, ``y_min``, ``z_min``, and ``face_1`` for the cut.
     """
 
     name = "create_cube_corner"
@@ -29,5 +31,5 @@ class CreateCubeCorner(FilterStage[CubeCornerOptions]):
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         points, tets = bundled_meshes.load("cube_corner")
-        made = TetMesh(points * self.options.size, tets)
+        made = with_faces(TetMesh(points * self.options.size, tets))
         return made, metrics.metrics(made)

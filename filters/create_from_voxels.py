@@ -11,6 +11,7 @@ from wct_plugin.filters.create_cube import CubeVariant
 
 from wct_plugin.creation import bundled_meshes, voxel_contacts, voxel_mesh
 from wct_plugin.creation import metrics as creation_metrics
+from wct_plugin.creation.face_groups import SIDES
 from wct_plugin.errors import InputError, OptionError
 from wct_plugin.io import voxel_image
 from wct_plugin.mesh import TetMesh
@@ -60,7 +61,8 @@ class CreateFromVoxels(FilterStage[VoxelOptions]):
     """Fill every voxel with a well-centered mesh of the cube; neighbours match, so that the whole is well-centered too.
 
     Each voxel has the same mesh, reflected along the axes where its index is odd; neighbours are mirror images and
-    share the triangles of their common face. The values of the voxels become regions. Voxels that touch only along an
+    share the triangles of their common face. The values of the voxels become regions; facets of the boundary are tagged
+    1 to 6, ``x_min`` to ``z_max``, by the way they face. Voxels that touch only along an
     edge or at a vertex are refused. Voxels need not quite be cubes: variant 194 stays completely well-centered while
     the longest spacing is at most 1.04 times the shortest. Variants below 84 are 3-well-centered only.
     """
@@ -78,9 +80,11 @@ class CreateFromVoxels(FilterStage[VoxelOptions]):
         progress(Progress("voxels", 0.0))
         cells, values = self._cells
         cube, measured = self._cube
-        points, tets = voxel_mesh.assemble(cells, cube.points, cube.tets)
+        points, tets, facets = voxel_mesh.assemble(cells, cube.points, cube.tets)
         points *= self._spacing
-        made = TetMesh(points, tets, np.repeat(values, len(cube.tets)), source=self._source)
+        names = {SIDES[tag - 1]: (tag, 2) for tag in np.unique(facets.tags).tolist()}
+        regions = np.repeat(values, len(cube.tets))
+        made = TetMesh(points, tets, regions, facets, names=names, source=self._source)
         metrics = {"tets": len(tets), "points": len(points), "voxels": len(cells), "regions": len(np.unique(values))}
         return made, measured | metrics
 

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from wct_plugin.creation import lattice_tiling
 from wct_plugin.creation import metrics as creation_metrics
+from wct_plugin.creation.face_groups import with_faces
 from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
@@ -48,7 +49,7 @@ class CreateLatticeTiling(FilterStage[LatticeTilingOptions]):
     only if a and b are above 1/2; the metric ``condition_met`` says so. With a = b = 0.5 ** 0.5, the default, both are
     Sommerville's tetrahedron and the lattice is body-centered cubic. The block is flat in y and z; its two ends in x
     are ragged and fit each other. Point data ``periodic_class`` is equal where periods, listed in the metrics, take
-    points to each other.
+    points to each other. The facets of the sides are tagged 1 to 6, ``x_min`` to ``z_max``.
     """
 
     name = "create_lattice_tiling"
@@ -74,7 +75,7 @@ class CreateLatticeTiling(FilterStage[LatticeTilingOptions]):
             "condition_met": given.a > 0.5 and given.b > 0.5,
             "periods": (np.array(periods) * unit).tolist(),
         }
-        return made, creation_metrics.metrics(made) | metrics
+        return with_faces(made, ragged_ends=True), creation_metrics.metrics(made) | metrics
 
     def _edge_length(self) -> float:
         """Length of the edges along x."""

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from wct_plugin.creation import metrics
+from wct_plugin.creation.face_groups import with_faces
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import EDGES
 from wct_plugin.pipeline.stage import FilterStage, Options
@@ -42,7 +43,8 @@ class CreateTetrahedron(FilterStage[TetrahedronOptions]):
     """Make one tetrahedron: the regular one, Sommerville's, or one of the six figures of the paper.
 
     The figures are named by what they show: dihedral acute, 2-well-centered (``2``), 3-well-centered (``3``), each
-    with y or n; ``n2y3y`` is completely well-centered and not acute.
+    with y or n; ``n2y3y`` is completely well-centered and not acute. Its facets are tagged, ``face_1`` to ``face_4``;
+    one that faces along an axis is ``x_min``, ...
     """
 
     name = "create_tetrahedron"
@@ -56,5 +58,5 @@ class CreateTetrahedron(FilterStage[TetrahedronOptions]):
         if self.options.size is not None:
             edges = points[EDGES[:, 1]] - points[EDGES[:, 0]]
             points *= self.options.size / np.linalg.norm(edges, axis=1).max()
-        made = TetMesh(points, np.array([[0, 1, 2, 3]]))
+        made = with_faces(TetMesh(points, np.array([[0, 1, 2, 3]])))
         return made, metrics.metrics(made)

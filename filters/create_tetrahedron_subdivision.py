@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from wct_plugin.creation import bundled_meshes, metrics
+from wct_plugin.creation.face_groups import with_faces
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import EDGES
 from wct_plugin.pipeline.stage import FilterStage, Options
@@ -41,7 +42,8 @@ class CreateTetrahedronSubdivision(FilterStage[SubdivisionOptions]):
     """Make a regular tetrahedron of 8 or 49 completely well-centered ones.
 
     8: the midpoints of four edges slide off so that the octahedron between the cut corners becomes well-centered.
-    49: its four faces match each other; better than the paper's in every column it prints.
+    49: its four faces match each other; better than the paper's in every column it prints. The facets of the faces are
+    tagged, ``face_1`` to ``face_4``.
     """
 
     name = "create_tetrahedron_subdivision"
@@ -55,7 +57,7 @@ class CreateTetrahedronSubdivision(FilterStage[SubdivisionOptions]):
         points, tets = bundled_meshes.load("tetrahedron_49") if variant == "49" else (_cut(_CUTS[variant]), _EIGHT)
         if self.options.size is not None:
             points = points * (self.options.size / np.linalg.norm(_CORNERS[1] - _CORNERS[0]))
-        made = TetMesh(points, tets)
+        made = with_faces(TetMesh(points, tets))
         return made, metrics.metrics(made)
 
 

@@ -20,6 +20,7 @@ from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.fidelity import measure_fidelity
 from wct_plugin.measure.goals import DUAL, misses
 from wct_plugin.measure.losses import find_losses
+from wct_plugin.measure.pinned import measure_pinned
 from wct_plugin.measure.quality import Quality
 from wct_plugin.measure.region_topology import changes, measure_region_topology
 from wct_plugin.measure.released_creases import Released
@@ -637,6 +638,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         )
         shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
         said: Metrics = {"groups": groups, "sharp_edges": sharp, "periodic": sides, "losses": losses}
+        said["pinned"] = measure_pinned(old)
         return {"bad": left["count"], "tets": len(new.tets), **kept, **said, "shape": shape, "remaining": left}
 
     def _own_start(

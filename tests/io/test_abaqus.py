@@ -105,13 +105,15 @@ def test_other_elements_are_left_out_and_counted(tmp_path: Path) -> None:
     )
     said = (
         "not read: 2 elements of type MASS, 1 element of type SPRINGA, 1 element of type CONN3D2, "
-        "element type M3D3 beside S3R, set 'PT' of elements that are not read, set 'SP' of elements that are not read$"
+        "set 'PT' of elements that are not read, set 'SP' of elements that are not read$"
     )
     with pytest.warns(WctWarning, match=said):
         mesh = mesh_of(tmp_path, text)
     assert mesh.edges.vertices.tolist() == [[0, 1]]
     assert mesh.facets.vertices.tolist() == [[0, 1, 2], [0, 1, 3]]
     assert mesh.facets.sets["SKIN"].tolist() == [0]
+    assert mesh.facets.sets["abaqus:M3D3"].tolist() == [1]
+    assert mesh.element_types == {"triangle": "S3R"}
     assert mesh.tet_sets["MIX"].tolist() == [0]
     raw, _ = abaqus.read(tmp_path / "a.inp")
     assert raw.element_types == {"tetra": "C3D4", "line": "B31", "triangle": "S3R"}

@@ -47,10 +47,10 @@ LOST = {
     "VTK": rf"cell_data\.uv|{_NAMES}",
     "XDMF": _NAMES,
     "gmsh": rf"cell_data\.uv|cell_data\.{re.escape(A_NAME)}",
-    "MED": _NAMES,
+    "MED": "(?!)",
     "Medit": rf"{_NO_ARRAYS}|nodes",
     "Nastran": rf"{_NO_ARRAYS}|nodes|points",
-    "Abaqus": r"names\.|point_data|cell_data|facets\.data|nodes",
+    "Abaqus": r"point_data|cell_data|facets\.data|nodes",
     "SU2": rf"{_NO_ARRAYS}|nodes|edges|regions|facets",
     "TetGen": rf"{_NO_ARRAYS}|nodes|edges",
 }
@@ -62,11 +62,11 @@ SAID = {
     "VTK": f"cell data 'uv', {_ALL_NAMES}",
     "XDMF": _ALL_NAMES,
     "gmsh": "cell data \"a name <&\\\"é'\", cell data 'uv'",
-    "MED": _ALL_NAMES,
+    "MED": "",
     "Medit": f"3 tagged vertices, {_ALL_DATA}, cell data 'flux', {_ALL_SETS}, {_ALL_NAMES}",
     "Nastran": "3 tagged vertices, digits of coordinates beyond what 16 characters hold, "
     f"{_ALL_DATA}, cell data 'flux', {_ALL_SETS}, {_ALL_NAMES}",
-    "Abaqus": f"3 tagged vertices, {_ALL_DATA}, cell data 'flux', {_ALL_NAMES}",
+    "Abaqus": f"3 tagged vertices, {_ALL_DATA}, cell data 'flux'",
     "SU2": f"5 tagged edges, 3 tagged vertices, {_ALL_DATA}, cell data 'flux', regions, {_ALL_SETS}, {_ALL_NAMES}",
     "TetGen": f"5 tagged edges, 3 tagged vertices, {_ALL_DATA}, cell data 'flux', {_ALL_SETS}, {_ALL_NAMES}",
 }

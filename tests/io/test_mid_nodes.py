@@ -228,7 +228,8 @@ def test_corners_of_other_orders_are_taken(kind, tmp_path):
     cells = [(kind, [[*corners, *range(4, 4 + count - len(corners))]])]
     if kind != "tetra20":
         cells.insert(0, ("tetra", [[0, 1, 2, 3]]))
-    meshio.gmsh.write(tmp_path / "a.msh", meshio.Mesh(points, cells), fmt_version="2.2", binary=False)
+    tags = {name: [np.array([5])] * len(cells) for name in ("gmsh:physical", "gmsh:geometrical")}
+    meshio.gmsh.write(tmp_path / "a.msh", meshio.Mesh(points, cells, cell_data=tags), fmt_version="2.2", binary=False)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         mesh = read(tmp_path / "a.msh")

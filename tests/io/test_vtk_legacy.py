@@ -25,7 +25,7 @@ def grid() -> pv.UnstructuredGrid:
     made.cell_data["cell_tags"] = np.concatenate([cube.regions + 10, np.full(len(end), 7)]).astype("i4")
     for name, dtype in (("a b", "u1"), ("long", "i8"), ("short", "i2"), ("f4", "f4"), ("f8", "f8")):
         made.cell_data[name] = (np.arange(count) % 100).astype(dtype)
-    made.cell_data["flag"] = np.arange(count) % 3 == 0
+    made.cell_data["flag"] = np.random.default_rng(0).random(count) < 0.5
     made.cell_data["tensor"] = np.arange(9.0 * count).reshape(-1, 9)
     made.point_data["u"] = made.points * 2
     return made

@@ -108,3 +108,31 @@ def test_data_go_over_and_losses_are_named():
     tet, _ = locate(old, new.points[new.tets].mean(axis=1))
     assert np.array_equal(got.cell_data["half"], half[tet])
     assert np.array_equal(got.tet_sets["right"], np.flatnonzero(half[tet]))
+
+
+def test_what_is_constant_on_regions_is_carried_exactly():
+    old, new = (jittered_cube(3, 2), jittered_cube(4, 5))
+    halves = [np.where(mesh.points[mesh.tets].mean(axis=1)[:, 2] < 0.5, 4, -7) for mesh in (old, new)]
+    given = replace(
+        old,
+        regions=halves[0],
+        cell_data={
+            "zone": halves[0].astype("i2"),
+            "k": np.where(halves[0] == 4, np.nan, 0.3),
+            "other": np.arange(len(old.tets)),
+        },
+        tet_sets={"low": np.flatnonzero(halves[0] == 4), "all": np.arange(len(old.tets)), "none": [], "some": [0]},
+        region_name="zone",
+    )
+    # The new regions are not where the old ones are, so that the tet at a centroid would say otherwise.
+    turned = halves[1][::-1]
+    strata, resampled = same_domain(old, new)
+    made = carry(given, strata, replace(resampled, regions=turned))
+    assert made.region_name == "zone"
+    assert np.array_equal(made.cell_data["zone"], turned)
+    assert made.cell_data["zone"].dtype == np.int16
+    assert np.array_equal(made.cell_data["k"], np.where(turned == 4, np.nan, 0.3), equal_nan=True)
+    assert np.array_equal(made.tet_sets["low"], np.flatnonzero(turned == 4))
+    assert np.array_equal(made.tet_sets["all"], np.arange(len(new.tets)))
+    assert not len(made.tet_sets["none"])
+    assert np.array_equal(made.cell_data["other"], locate(old, new.points[new.tets].mean(axis=1))[0])

@@ -39,6 +39,7 @@ class Job:
     timeout: float | None = None  #: seconds
     time_limit: float | None = None  #: seconds after which the filters are asked to stop
     memory: int | None = None  #: bytes
+    regions: str | list[str] | None = None  #: names of the array or sets that are the regions of the input
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,8 @@ def _run(job: Job, output: Path) -> dict[str, Any]:
     if not Path(job.source).exists():  # it was there when the batch started
         raise InputError(f"{job.source}: no such file any more")
     limit = None if job.time_limit is None else TimeLimit(job.time_limit)
-    result = Pipeline.from_json(job.pipeline).between(job.source, [output / job.name]).execute(limit)
+    chain = Pipeline.from_json(job.pipeline).between(job.source, [output / job.name], regions=job.regions)
+    result = chain.execute(limit)
     missed = [str(goal) for goal in result.goals if not goal.met]
     if limit is not None and (ended := limit.ended(result)):
         missed.append(ended)

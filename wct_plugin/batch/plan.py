@@ -11,6 +11,7 @@ from typing import Any
 from wct_plugin.batch.job import digest
 from wct_plugin.errors import InputError, OptionError, OutputError, WctError
 from wct_plugin.io import atomic_files, formats
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline.graph import label
 from wct_plugin.pipeline.pipeline import Pipeline
@@ -83,11 +84,12 @@ def shard(tasks: Sequence[Task], part: tuple[int, int]) -> list[Task]:
     return list(tasks[index - 1 :: count])
 
 
-def fingerprint(pipeline: Pipeline) -> str:
-    """SHA-256 of the pipeline's stages, options and the contents of the files that its options name."""
+def fingerprint(pipeline: Pipeline, regions: Regions = None) -> str:
+    """SHA-256 of the pipeline's stages, options, the contents of the files that its options name, and the regions."""
     content = pipeline.to_json()
     named = {name: digest(name) for name in sorted(set(_strings(content))) if _is_file(name)}
-    return hashlib.sha256(json.dumps([content, named], sort_keys=True).encode()).hexdigest()
+    chosen = [] if regions is None else [regions if isinstance(regions, str) else list(regions)]
+    return hashlib.sha256(json.dumps([content, named, *chosen], sort_keys=True).encode()).hexdigest()
 
 
 def _strings(value: Any) -> Iterator[str]:

@@ -24,6 +24,7 @@ from wct_plugin.batch.job import Job, Record, failure
 from wct_plugin.batch.manifest import Manifest
 from wct_plugin.errors import OptionError, OutputError, one_line
 from wct_plugin.io import atomic_files
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.stage import FilterStage, Options
 
@@ -68,6 +69,7 @@ def run_batch(
     folder: str | Path,
     *,
     suffix: str | None = None,
+    regions: Regions = None,
     jobs: int | None = None,
     timeout: float | None = None,
     time_limit: float | None = None,
@@ -93,6 +95,8 @@ def run_batch(
         The output directory; it is made if there is none.
     suffix : str or None
         That of the outputs, such as ``vtu``; None is each input's own, or ``vtu`` where that cannot carry the output.
+    regions : str, sequence of str or None
+        Names of the array or sets that are the regions of each input, as of :func:`wct_plugin.read`.
     jobs : int or None
         How many files at a time; None is as many as there are cores.
     timeout : float or None
@@ -140,7 +144,8 @@ def run_batch(
     make = partial(
         Job,
         pipeline=chain.to_json(),
-        pipeline_sha256=plan.fingerprint(chain),
+        pipeline_sha256=plan.fingerprint(chain, regions),
+        regions=regions if isinstance(regions, str | None) else list(regions),
         folder=os.getcwd(),
         work=str(manifest.work),
         timeout=timeout,

@@ -12,9 +12,11 @@ from rich.text import Text
 from wct_plugin.batch import summary
 from wct_plugin.batch.job import Record
 from wct_plugin.batch.run import BatchProgress, BatchResult, run_batch
+from wct_plugin.cli import filter_options
 from wct_plugin.cli.messages import err, fail, out
 from wct_plugin.cli.output import table
 from wct_plugin.cli.run import complete_pipeline, read_pipeline
+from wct_plugin.io.region_choice import Regions
 
 
 class _Shard(click.ParamType[tuple[int, int]]):
@@ -32,6 +34,7 @@ class _Shard(click.ParamType[tuple[int, int]]):
 @click.argument("inputs", metavar="INPUT...", nargs=-1, required=True)
 @click.option("-o", "--output", "folder", metavar="DIR", required=True, help="Where the outputs go; made if missing")
 @click.option("--format", "suffix", metavar="SUFFIX", help="Of the outputs  [default: each input's own; surfaces: vtu]")
+@filter_options.regions_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Files at a time  [default: number of cores]")
 @click.option("--timeout", type=float, metavar="SECONDS", help="Longest that a file may take")
 @click.option("--time-limit", type=float, metavar="SECONDS", help="Stop a file after so long and keep its best so far")
@@ -48,6 +51,7 @@ def batch(
     inputs: Sequence[str],
     folder: str,
     suffix: str | None,
+    regions: Regions,
     jobs: int | None,
     timeout: float | None,
     time_limit: float | None,
@@ -75,6 +79,7 @@ def batch(
                 inputs,
                 folder,
                 suffix=suffix,
+                regions=regions,
                 jobs=jobs,
                 timeout=timeout,
                 time_limit=time_limit,

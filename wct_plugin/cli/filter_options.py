@@ -60,6 +60,18 @@ def order_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option("--order", type=click.IntRange(1, 2), help=shown)(command)
 
 
+def regions_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate a command with ``--regions``."""
+    return click.option(
+        "--regions",
+        metavar="NAME",
+        multiple=True,
+        callback=lambda _, __, names: names[0] if len(names) == 1 else list(names) or None,
+        help="Array of whole numbers that the regions are, or set of tets; several sets: again, or with commas"
+        "  [default: as the file says it]",
+    )(command)
+
+
 def given_msh(values: dict[str, Any]) -> dict[str, Any]:
     """Take those of the command's ``values`` that are for writing gmsh files out, and give the ones that were set."""
     found = {option: values.pop(_parameter(option, MSH_PREFIX)) for option in _msh_fields()}

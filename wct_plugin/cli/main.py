@@ -14,7 +14,7 @@ import click
 
 from wct_plugin.cli.commands import Commands
 from wct_plugin.cli.interrupt import raise_on_sigterm
-from wct_plugin.cli.messages import FAILED, GOAL_MET, fail, show_warning
+from wct_plugin.cli.messages import FAILED, GOAL_MET, fail, show_warning, showing_notes
 from wct_plugin.errors import InternalError, WctError, WctWarning, one_line
 from wct_plugin.io import atomic_files
 
@@ -29,7 +29,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code; errors are printed as one line, with what was written before."""
     with atomic_files.noting() as written:
         try:
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), showing_notes():
                 warnings.simplefilter("ignore")  # other packages' warnings are for programmers
                 warnings.simplefilter("always", WctWarning)
                 warnings.showwarning = show_warning

@@ -3,9 +3,11 @@
 Results go to stdout; progress, warnings and errors to stderr.
 """
 
+import logging
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
@@ -54,6 +56,27 @@ def fail(message: str) -> int:
     err.quiet = False
     err.print(Text("error: ", style="bold red") + Text(" ".join(message.split())), soft_wrap=True)
     return FAILED
+
+
+class _Notes(logging.Handler):
+    """Prints what the package has to say, each a line on stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        err.print(Text("note: ", style="cyan") + Text(" ".join(record.getMessage().split())), soft_wrap=True)
+
+
+@contextmanager
+def showing_notes() -> Iterator[None]:
+    """Print what this package logs at the level of INFO, such as where the regions come from."""
+    log, handler = logging.getLogger("wct_plugin"), _Notes(logging.INFO)
+    before = log.level
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(before)
 
 
 def show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:

@@ -15,12 +15,21 @@ from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import side_by_side
 from wct_plugin.pipeline.graph import Step, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
-from wct_plugin.pipeline.readers_writers import FileOptions, ReadMesh, WriteMesh, Writer, WriteReport, report_content
+from wct_plugin.pipeline.readers_writers import (
+    FileOptions,
+    ReadMesh,
+    WriteMesh,
+    Writer,
+    WriteReport,
+    mesh_reader,
+    report_content,
+)
 from wct_plugin.pipeline.stage import FilterStage, Options, find_filter
 
 #: The filters ``wct optimize`` may run, the default first.
@@ -44,6 +53,7 @@ _MESHER_PREFIX = "mesher_"
 @filter_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @filter_options.order_option
 @filter_options.msh_options
+@filter_options.regions_option
 @filter_options.repair_option
 @formats_of_streams.input_format
 @formats_of_streams.output_format
@@ -62,6 +72,7 @@ def optimize(
     target: str,
     optimizer_name: str,
     order: int | None,
+    regions: Regions,
     repair: bool,
     input_format: str | None,
     output_format: str | None,
@@ -95,7 +106,7 @@ def optimize(
         writer.validate()
         writer.check_takes(TetMesh)
 
-    mesh = read(source, suffix=input_format, repair=repair)
+    mesh = read(source, suffix=input_format, regions=regions, repair=repair)
     filters = [optimizer]
     if isinstance(mesh, SurfaceMesh):
         filters = [mesher, optimizer]
@@ -103,14 +114,13 @@ def optimize(
         flag = filter_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
-        read_as = ({} if input_format is None else {"format": input_format}) | ({"repair": True} if repair else {})
-        chain = _optimizing(ReadMesh(filename=source, **read_as), filters, writers)
+        chain = _optimizing(mesh_reader(source, regions, input_format=input_format, repair=repair), filters, writers)
         with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))
         return GOAL_MET
     with unplaced_errors(), progress_bar() as progress:
-        result = _optimizing(ReadMesh(filename=mesh), filters, writers).execute(limit.beside(progress))
+        result = _optimizing(mesh_reader(mesh), filters, writers).execute(limit.beside(progress))
     optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
     flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
     if json_path == "-":

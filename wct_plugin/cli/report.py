@@ -13,6 +13,7 @@ from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
 from wct_plugin.cli.output import check_outputs, print_report, print_side_by_side, table, write_text
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.measure import planar
 from wct_plugin.measure.goals import DUAL
 from wct_plugin.measure.planar import PlanarReport
@@ -23,10 +24,10 @@ from wct_plugin.reports.report import Report, make_report
 
 
 def _read(
-    source: str, input_format: str | None, reference: SurfaceMesh | None, *, repair: bool
+    source: str, input_format: str | None, regions: Regions, reference: SurfaceMesh | None, *, repair: bool
 ) -> TetMesh | SurfaceMesh:
     """A tet mesh, or triangles in a plane."""
-    mesh = read(source, suffix=input_format, repair=repair)
+    mesh = read(source, suffix=input_format, regions=regions, repair=repair)
     if isinstance(mesh, SurfaceMesh) and planar.is_planar(mesh):
         return mesh
     find_filter("get_quality").check_takes(type(mesh))
@@ -71,6 +72,7 @@ def _meets(report: Report | PlanarReport, goal: str | None) -> bool:
 )
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
 @click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
+@filter_options.regions_option
 @filter_options.repair_option
 @click.option("--input-format", metavar="SUFFIX", help="Of each FILE, as vtu  [default: its name tells; - has none]")
 @click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of reports and end")
@@ -82,6 +84,7 @@ def report(
     goal: str | None,
     exact: bool,
     reference: str | None,
+    regions: Regions,
     repair: bool,
     input_format: str | None,
     print_schema: bool,
@@ -103,7 +106,7 @@ def report(
     if html_path:
         html_report.check_available()
     surface = _surface(reference) if reference else None
-    meshes = [_read(source, input_format, surface, repair=repair) for source in sources]
+    meshes = [_read(source, input_format, regions, surface, repair=repair) for source in sources]
     _check_planar(meshes, html_path, goal)
     reports = [
         make_report(mesh, worst, exact=exact) if isinstance(mesh, TetMesh) else planar.measure(mesh) for mesh in meshes

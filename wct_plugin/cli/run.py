@@ -8,12 +8,13 @@ import click
 from click.shell_completion import CompletionItem
 from rich.text import Text
 
-from wct_plugin.cli import formats_of_streams
+from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.messages import GOAL_MET, err, out
 from wct_plugin.cli.output import check_outputs, print_result, write_text
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import WctError
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import presets
 from wct_plugin.pipeline.json_schema import schema
@@ -47,6 +48,7 @@ def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: s
 @click.option(
     "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
 )
+@filter_options.regions_option
 @formats_of_streams.input_format
 @formats_of_streams.output_format
 @time_limit_option
@@ -59,6 +61,7 @@ def run_pipeline(
     chain: str | None,
     paths: Sequence[str],
     settings: Sequence[str],
+    regions: Regions,
     input_format: str | None,
     output_format: str | None,
     seconds: float | None,
@@ -86,8 +89,11 @@ def run_pipeline(
         raise click.UsageError("Missing argument 'PIPELINE'.")
     pipeline = read_pipeline(chain, settings)
     if paths:
-        named = {"input_format": input_format, "output_format": output_format}
-        pipeline = pipeline.between(paths[0], paths[1:], **named)
+        pipeline = pipeline.between(
+            paths[0], paths[1:], regions=regions, input_format=input_format, output_format=output_format
+        )
+    elif regions is not None:
+        raise click.UsageError("--regions is of IN; for a reader of the pipeline: --set readers.mesh.regions=NAME")
     if validate:
         pipeline.check([TetMesh, SurfaceMesh], read=True)
         out.print(Text("valid: " + " | ".join(step.stage.type() for step in pipeline.steps)))

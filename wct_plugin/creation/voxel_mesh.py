@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.mesh import Cells
+from wct_plugin.mesh.topology import FACETS
 from wct_plugin.types import Floats, Ints
 
 #: Coordinates of the cube become multiples of this, so that sums with a voxel's index are exact, all copies congruent.
@@ -47,8 +49,10 @@ class _Cube:
         return cls(sides, place, count)
 
 
-def assemble(cells: Ints, points: Floats, tets: Ints) -> tuple[Floats, NDArray[Any]]:
-    """Points (n, 3), in voxels, and positive tets (m k, 4) of the voxels ``cells`` (k, 3), in their order.
+def assemble(cells: Ints, points: Floats, tets: Ints) -> tuple[Floats, NDArray[Any], Cells]:
+    """Points (n, 3), in voxels, positive tets (m k, 4) of the voxels ``cells`` (k, 3), in their order; the boundary.
+
+    Its facets are tagged by the way they face, 1 to 6: down and up each axis.
 
     The tets come as int32 where that suffices: with as little as that beside it a mesh of them can be made.
     ``points`` (v, 3) and ``tets`` (m, 4) mesh the unit cube, :func:`snapped`.
@@ -58,6 +62,8 @@ def assemble(cells: Ints, points: Floats, tets: Ints) -> tuple[Floats, NDArray[A
     keys, counts = _numbering(cells, cube, shape)
     total = int(counts.sum())
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    outside = _without_neighbour(cells)
+    facets, tags = [], []
     index = np.int32 if total < 2**31 else np.int64
     made_points = np.empty((total, 3))
     made_tets = np.empty((len(cells), len(tets), 4), dtype=index)
@@ -66,12 +72,35 @@ def assemble(cells: Ints, points: Floats, tets: Ints) -> tuple[Floats, NDArray[A
         reflected = np.where(flips, 1.0 - points, points)
         sides = np.where(flips, 2 - cube.sides, cube.sides)
         corners = tets[:, [0, 1, 3, 2]] if sum(flips) % 2 else tets
+        on_sides = _facets_on_sides(reflected, corners)
         for chunk in np.split(mine, range(_CHUNK, len(mine), _CHUNK)):
             begin = first[np.searchsorted(keys, _keys(2 * cells[chunk, None] + _GRID, shape))]
             vertices = begin[:, sides @ (9, 3, 1)] + cube.place
             made_points[vertices] = cells[chunk, None] + reflected
             made_tets[chunk] = vertices.astype(index)[:, corners]
-    return made_points, made_tets.reshape(-1, 4)
+            for side, triangles in enumerate(on_sides):
+                found = vertices[outside[chunk, side]][:, triangles].reshape(-1, 3)
+                facets.append(found)
+                tags.append(np.full(len(found), side + 1))
+    return made_points, made_tets.reshape(-1, 4), Cells(np.concatenate(facets), np.concatenate(tags))
+
+
+def _facets_on_sides(points: Floats, tets: Ints) -> list[Ints]:
+    """The triangles of a mesh of the unit cube on each side of it, down and up each axis, oriented outward."""
+    triangles = tets[:, FACETS].reshape(-1, 3)
+    corners = points[triangles]
+    return [triangles[(corners[:, :, axis] == end).all(axis=1)] for axis in range(3) for end in (0.0, 1.0)]
+
+
+def _without_neighbour(cells: Ints) -> NDArray[np.bool_]:
+    """(k, 6) on which sides, down and up each axis, there is no voxel."""
+    shape = cells.max(axis=0) + 3
+    keys = np.sort(_keys(cells + 1, shape))
+    steps = np.repeat(np.eye(3, dtype=np.int64), 2, axis=0) * np.tile([[-1], [1]], (3, 1))
+    beside = _keys(cells[:, None] + 1 + steps, shape)
+    at = np.minimum(np.searchsorted(keys, beside), len(keys) - 1)
+    found: NDArray[np.bool_] = keys[at] != beside
+    return found
 
 
 def _numbering(cells: Ints, cube: _Cube, shape: Ints) -> tuple[Ints, Ints]:

@@ -12,11 +12,12 @@ from typing import Any, Literal
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
 from wct_plugin.errors import OptionError
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
+from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.pipeline.pipeline import mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, find_filter
@@ -25,35 +26,22 @@ from wct_plugin.reports.report import Report, make_report
 _OPTIMIZER = "meshing_well_centered"
 
 
-def _optimized(stages: list[FilterStage[Any]], dataset: pv.DataSet, regions: str | None = None) -> pv.UnstructuredGrid:
-    mesh, pairs = from_pyvista(dataset), None
-    if isinstance(mesh, TetMesh) and regions == mesh.tag_name and regions not in mesh.cell_data:
-        regions = None  # the tags are the regions as it is
-    if regions is not None and isinstance(mesh, TetMesh):
-        # A region of its own for every pair of tag and number in the array, so that the interfaces of both are kept.
-        both = np.column_stack([mesh.regions, _whole(mesh, regions)])
+def _optimized(stages: list[FilterStage[Any]], dataset: pv.DataSet, regions: Regions = None) -> pv.UnstructuredGrid:
+    mesh, pairs = as_mesh(dataset, regions=regions), None
+    if regions is not None and isinstance(mesh, TetMesh) and mesh.tag_name in mesh.cell_data:
+        # A region of its own for every pair of region and tag, so that the interfaces of both are kept.
+        both = np.column_stack([mesh.regions, mesh.cell_data[mesh.tag_name].astype(np.int64)])
         pairs, index = np.unique(both, axis=0, return_inverse=True)
         mesh = replace(mesh, regions=index.ravel())
     for stage in stages:
         mesh, _ = stage(mesh)
-    if regions is not None and pairs is not None and isinstance(mesh, TetMesh):
-        tags, numbers = pairs[mesh.regions].T
-        numbers = numbers.astype(mesh.cell_data[regions].dtype)
-        mesh = replace(mesh, regions=tags, cell_data={**mesh.cell_data, regions: numbers})
+    if pairs is not None and isinstance(mesh, TetMesh):
+        mesh = replace(mesh, regions=pairs[mesh.regions, 0])
     grid = to_pyvista(mesh)
     for name, values in dataset.field_data.items():
         if name not in grid.field_data:
             grid.field_data[name] = values
     return grid
-
-
-def _whole(mesh: TetMesh, regions: str) -> NDArray[np.int64]:
-    if regions not in mesh.cell_data:
-        raise OptionError(f"regions is {regions!r}; allowed are the cell arrays: {', '.join(mesh.cell_data) or 'none'}")
-    values = mesh.cell_data[regions]
-    if values.ndim != 1 or values.dtype.kind not in "iuf" or (values != np.rint(values)).any():
-        raise OptionError(f"regions is {regions!r}, {values.dtype} of shape {values.shape}; allowed are whole numbers")
-    return values.astype(np.int64)
 
 
 @pv.register_dataset_accessor("wct", pv.UnstructuredGrid)
@@ -63,16 +51,16 @@ class GridAccessor:
     def __init__(self, grid: pv.UnstructuredGrid) -> None:
         self._grid = grid
 
-    def optimize(self, *, regions: str | None = None, **options: Any) -> pv.UnstructuredGrid:
+    def optimize(self, *, regions: Regions = None, **options: Any) -> pv.UnstructuredGrid:
         """Give a new grid whose tets contain their circumcenters, as far as can be; this one stays as it is.
 
         Arrays, regions and tagged triangles, lines and vertices are carried over; what cannot be is named in a warning.
 
         Parameters
         ----------
-        regions : str, optional
-            A cell array of region numbers, whose interfaces are kept, as those of a conventional array such as
-            ``gmsh:physical`` are in any case.
+        regions : str or sequence of str, optional
+            A cell array of region numbers, or sets of tets, whose interfaces are kept, as those of a conventional array
+            such as ``gmsh:physical`` are in any case.
         **options
             Those of ``filters.meshing_well_centered``: goal, boundary, tolerance, ...; ``reference`` may be a PolyData.
         """

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import abaqus_names
 from wct_plugin.io.abaqus_blocks import Block, blocks
 from wct_plugin.io.abaqus_scope import Elements, Scope
 from wct_plugin.io.abaqus_sets import Numbered, Sets
@@ -57,10 +58,13 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     """
     lost: list[str] = []
     included = Included(folder_of(path))
-    placed = _placed(blocks(path.read_bytes(), included), lost)
+    text = path.read_bytes()
+    placed = _placed(blocks(text, included), lost)
     if not any(scope.ids for one in placed for scope in one.scopes):
         raise InputError("has no *NODE")
-    return _Assembled(placed, lost).raw(), lost
+    raw = _Assembled(placed, lost).raw()
+    abaqus_names.put_tags(raw, text)
+    return raw, lost
 
 
 def _placed(found: Iterable[Block], lost: list[str]) -> list[_Placed]:
@@ -117,6 +121,7 @@ class _Assembled:
         self._points: list[Floats] = []
         self._cells: dict[str, list[Ints]] = {}
         self._types: dict[str, str] = {}
+        self._other_types: dict[tuple[str, str], list[Ints]] = {}  #: rows of elements of a kind that are of another
         self._nodes: list[Numbered] = []
         self._elements: list[Numbered] = []
         count, offset = 0, 0
@@ -130,9 +135,11 @@ class _Assembled:
             first = count
             for elements in one.elements():
                 kind = elements.element.kind
-                self._note_type(elements)
                 made = rows.of(elements.nodes, f"an element of type {elements.type}") + offset
                 row = sum(len(part) for part in self._cells.get(kind, ()))
+                if self._types.setdefault(kind, elements.type) != elements.type:
+                    other = self._other_types.setdefault((kind, elements.type), [])
+                    other.append(row + np.arange(len(made)))
                 self._cells.setdefault(kind, []).append(made)
                 which = list(self._cells).index(kind)
                 places.append((np.full(len(made), which), row + np.arange(len(made))))
@@ -145,13 +152,6 @@ class _Assembled:
         self._which = np.concatenate([none, *(which for which, _ in places)])  #: block of each element
         self._row = np.concatenate([none, *(row for _, row in places)])  #: and its row there
 
-    def _note_type(self, elements: Elements) -> None:
-        kind = elements.element.kind
-        first = self._types.setdefault(kind, elements.type)
-        said = f"element type {elements.type} beside {first}"
-        if elements.type != first and said not in self._lost:
-            self._lost.append(said)
-
     def raw(self) -> RawMesh:
         """All of it as one mesh."""
         raw = RawMesh(
@@ -159,6 +159,10 @@ class _Assembled:
             [RawBlock(kind, np.concatenate(parts)) for kind, parts in self._cells.items()],
             element_types=self._types,
         )
+        for (kind, type_), parts in self._other_types.items():
+            rows: list[Ints | None] = [None] * len(self._cells)
+            rows[list(self._cells).index(kind)] = np.concatenate(parts)
+            raw.cell_sets[abaqus_names.TYPE_SET + type_] = rows
         names, scopes = [one.name for one in self._placed], [one.scopes for one in self._placed]
         elsets = Sets(names, scopes, self._elements, lambda scope: scope.elsets, self._lost)
         found = {name: elsets.members(*where) for name, where in elsets.every().items()}

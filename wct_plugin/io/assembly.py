@@ -1,5 +1,6 @@
 """What a file holds, kind of cell by kind of cell, becomes a :class:`TetMesh` or a :class:`SurfaceMesh`."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 from urllib.parse import unquote
@@ -8,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import formats
+from wct_plugin.io import formats, region_choice
+from wct_plugin.io.abaqus_names import USUAL
 from wct_plugin.io.corners import corners_only
 from wct_plugin.io.periodic_sides import is_periodic
 from wct_plugin.io.polygons import as_triangles
@@ -27,6 +29,8 @@ TAG_SET = "TAG_"
 #: Physical names are stored in VTU files as field data (tag, dimension) of this name.
 NAME = "name:"
 
+#: Formats in which the names of tags stand under these names themselves.
+_NAMED = ("gmsh", "meshio", "MED", "SU2", "Abaqus")
 #: Kinds that a mesh is made of; what stands beside tets is of others.
 _WIDTH = {"tetra": 4, "triangle": 3, "line": 2, "vertex": 1}
 #: Arrays of meshio's own making, of no meaning after reading.
@@ -54,16 +58,20 @@ def to_mesh(
     source: str,
     tags: tuple[str, ...] = TAGS,
     *,
+    regions: region_choice.Regions = None,
     repair: bool = False,
 ) -> TetMesh | SurfaceMesh:
     """Make a mesh of what a file holds; ``lost`` grows by what a mesh cannot hold, ``tags`` may be the array of tags.
 
+    ``regions`` are the names of the array or sets that are the regions, where it is not for the file to say.
     ``repair``: broken tets are dropped or mended. What was done to what the file holds goes to ``raw.notes``.
-    Raises :class:`InputError` for volumes without a tet, and where there is neither tet nor triangle.
+    Raises :class:`InputError` for volumes without a tet, and where there is neither tet nor triangle; for
+    regions that are none, :class:`~wct_plugin.errors.OptionError`.
     """
     notes = raw.notes
     raw, curved = corners_only(replace(raw, points=_in_space(np.asarray(raw.points))))
     raw = as_triangles(raw)
+    regions = region_choice.single(regions)
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
     if not len(kinds[main].cells):
@@ -87,19 +95,21 @@ def to_mesh(
     names = _names(raw.field_data, form)
     for kind in kinds.values():
         kind.sets |= _pop_sets(kind.data)
-    tag_name = _take_tags(kinds, tags)
-    _take_tag_sets(kinds)
+    tag_name = _take_tags(kinds, tags, regions)
+    _take_tag_sets(kinds, names, raw.tag_sets)
     if form.name == "gmsh":
         for kind in kinds.values():
             _merge_repeated(kind, names)
     _drop_filling(kinds)
-    _drop_repeated_sets(kinds, names)
+    _drop_repeated_sets(kinds, names, repeating=form.name == "gmsh")
     if main == "triangle":
+        region_choice.refuse_for_surface(regions)
         faces = kinds["triangle"]
         points, point_data = _without_stray(points, faces, point_data, notes)
         lost += [f"{len(kinds[kind].cells)} {kind} cells" for kind in ("line", "vertex") if len(kinds[kind].cells)]
         lost += [f"set {name!r}" for name in [*faces.sets, *point_sets]] + [f"name {name!r}" for name in names]
         return SurfaceMesh(points, faces.cells, faces.tags, point_data, faces.data, source)  # type: ignore[arg-type]
+    tag_name, region_name = _take_regions(kinds, names, tag_name, form, regions, source)
     parts = Parts(points, {which: kind.as_cells() for which, kind in kinds.items()}, point_data, point_sets)
     return assemble(
         parts,
@@ -110,6 +120,8 @@ def to_mesh(
         tag_name=tag_name,
         source=source,
         periodic=is_periodic(raw, lost),
+        region_name=region_name,
+        element_types={kind: name for kind, name in raw.element_types.items() if name != USUAL.get(kind)},
     )
 
 
@@ -151,7 +163,6 @@ def _widths(raw: RawMesh) -> dict[str, int]:
 
 def _kinds(raw: RawMesh) -> dict[str, _Kind]:
     """Per kind of cell all of meshio's blocks as one, with their data and sets."""
-    families = raw.families
     kinds = {}
     for kind, width in _widths(raw).items():
         blocks = [k for k, block in enumerate(raw.cells) if block.type == kind and len(block)]
@@ -170,9 +181,6 @@ def _kinds(raw: RawMesh) -> dict[str, _Kind]:
                 made.sets[str(name)] = np.concatenate(
                     [_members(ids) + start for ids, start in zip(known, starts, strict=False)]
                 )
-        for group in {name for names in families.values() for name in names} if "cell_tags" in made.data else ():
-            tags = [tag for tag, names in families.items() if group in names]
-            made.sets[group] = np.flatnonzero(np.isin(made.data["cell_tags"], tags))
         kinds[kind] = made
     return kinds
 
@@ -187,8 +195,11 @@ def _joined(parts: list[tuple[NDArray[Any] | None, int]]) -> NDArray[Any]:
     )
 
 
-def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
-    """Make the first array of these names that says anything the tags; returns its name."""
+def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...], regions: region_choice.Regions = None) -> str:
+    """Make the first array of these names that says anything the tags; returns its name.
+
+    Gmsh's entities stay beside other tags if they are to be ``regions``.
+    """
     chosen = names[0] if names else TAGS[0]
     for name in reversed(names):
         columns = [kind.data[name] for kind in kinds.values() if name in kind.data]
@@ -202,10 +213,58 @@ def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...]) -> str:
     for kind in kinds.values():
         if chosen in kind.data:
             kind.tags = _whole(kind.data.pop(chosen)).astype(np.int64)
-    if chosen != ENTITIES:  # gmsh's own bookkeeping then, made anew when written
+    if ENTITIES not in (chosen, regions):  # gmsh's own bookkeeping then, made anew when written
         for kind in kinds.values():
             kind.data.pop(ENTITIES, None)
     return chosen
+
+
+def _take_regions(
+    kinds: dict[str, _Kind],
+    names: dict[str, tuple[int, int]],
+    tag_name: str,
+    form: formats.Format,
+    regions: region_choice.Regions,
+    source: str,
+) -> tuple[str, str]:
+    """Make an array or sets the regions of the tets, if these names ask for it or the tets have no different tags.
+
+    Tags that the tets have then stay as an array. Other cells have their tags from the same array if they have no
+    tags at all. Returns the names of the array of tags and of that of regions.
+    """
+    tets = kinds["tetra"]
+    own = np.zeros(0, dtype=np.int64) if tets.tags is None else tets.tags
+    tagged = bool(own.any())
+    if tagged and (regions == tag_name or (regions is None and len(np.unique(own)) > 1)):
+        return tag_name, ""
+    count = len(tets.cells)
+    if regions is None:
+        chosen = region_choice.usual(tets.data, tets.sets, count, tag_file=form.name == "XDMF")
+    else:
+        chosen = region_choice.wanted(regions, tets.data, tets.sets, count)
+    if chosen is None:
+        return tag_name, ""
+    region_choice.say(source, chosen)
+    if tagged:
+        tets.data[tag_name] = own
+    else:
+        names |= region_choice.set_names(chosen, names)
+    tets.tags = chosen.regions
+    return tag_name if tagged else _share_tags(kinds, chosen.array, tag_name), chosen.array
+
+
+def _share_tags(kinds: dict[str, _Kind], array: str, tag_name: str) -> str:
+    """Make the array of the regions the tags of all other cells, if these have none; returns the name of the tags."""
+    others = [kind for which, kind in kinds.items() if which != "tetra"]
+    columns = [region_choice.whole(kind.data[array]) for kind in others if array in kind.data]
+    if not columns or any(column is None for column in columns):
+        return tag_name
+    if any(kind.tags is not None and kind.tags.any() for kind in others):
+        return tag_name
+    for kind in others:
+        if array in kind.data:
+            kind.tags = region_choice.whole(kind.data.pop(array))
+    return array
 
 
 def _merge_repeated(kind: _Kind, names: dict[str, tuple[int, int]]) -> None:
@@ -230,9 +289,18 @@ def _merge_repeated(kind: _Kind, names: dict[str, tuple[int, int]]) -> None:
     kind.cells, kind.tags = kind.cells[keep], kind.tags[keep]
 
 
-def _take_tag_sets(kinds: dict[str, _Kind]) -> None:
-    """Turn the sets that stand for tags where a format has no tags (Abaqus) into tags again."""
+def _take_tag_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int]], tag_sets: Mapping[str, bool]) -> None:
+    """Turn the sets that stand for tags where a format has no tags (Abaqus) into tags again.
+
+    ``tag_sets``: those under the names of their tags, and whether they are sets by themselves too.
+    """
     for which, kind in kinds.items():
+        for name in [name for name in kind.sets if name in tag_sets and names[name][1] == kind.dimension]:
+            if kind.tags is None:
+                kind.tags = np.zeros(len(kind.cells), dtype=np.int64)
+            kind.tags[kind.sets[name]] = names[name][0]
+            if not tag_sets[name]:
+                del kind.sets[name]
         prefix = f"{TAG_SET}{which}_"
         for name in [name for name in kind.sets if name.startswith(prefix)]:
             if kind.tags is None:
@@ -262,8 +330,11 @@ def _says_nothing(values: NDArray[Any]) -> bool:
     return bool(np.isnan(values).all() if values.dtype.kind == "f" else not values.any())
 
 
-def _drop_repeated_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int]]) -> None:
-    """Leave out sets that only repeat a physical name, and those that have all their members among other cells."""
+def _drop_repeated_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int]], *, repeating: bool) -> None:
+    """Leave out sets that have all their members among other cells.
+
+    ``repeating``: those too that only repeat a physical name, of which meshio makes a set for each.
+    """
     for name in {name for kind in kinds.values() for name in kind.sets}:
         somewhere = any(len(kind.sets.get(name, ())) for kind in kinds.values())
         for which, kind in kinds.items():
@@ -271,7 +342,7 @@ def _drop_repeated_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int
             if members is None:
                 continue
             tag, dimension = names.get(name, (0, -1))
-            group = tag and dimension == kind.dimension and kind.tags is not None
+            group = repeating and tag and dimension == kind.dimension and kind.tags is not None
             repeats = group and np.array_equal(np.sort(members), np.flatnonzero(kind.tags == tag))
             if repeats or (not len(members) and (somewhere or name in names or which != "tetra")):
                 del kind.sets[name]
@@ -281,7 +352,7 @@ def _names(found: dict[str, Any], form: formats.Format) -> dict[str, tuple[int, 
     names = {}
     for name, value in found.items():
         pair = np.asarray(value).ravel()
-        if pair.size == 2 and (form.name in ("gmsh", "meshio") or name.startswith(NAME)):
+        if pair.size == 2 and (form.name in _NAMED or name.startswith(NAME)):
             names[name.removeprefix(NAME)] = (int(pair[0]), int(pair[1]))
     return names
 

@@ -71,11 +71,11 @@ FORMATS = (
         "XDMF", (".xdmf", ".xmf"), "xdmf", _ALL, _ALL, point_data=True, cell_data=True, reader="xdmf", beside=(".h5",)
     ),
     Format("gmsh", (".msh",), "gmsh", _ALL, _ALL, point_data=True, cell_data=True, names=True, reader="gmsh_reader"),
-    Format("MED", (".med",), "med", _ALL, _ALL, point_data=True, cell_data=True, reader="med"),
+    Format(*("MED", (".med",), "", _ALL, _ALL), point_data=True, cell_data=True, sets=True, names=True, reader="med"),
     Format("Medit", (".mesh", ".meshb"), "", _ALL, _ALL[:3], reader="medit"),
     Format("Nastran", (".bdf", ".fem", ".nas"), "nastran", _ALL[:3], _ALL[:3], reader="nastran"),
-    Format("Abaqus", (".inp",), "abaqus", _ALL[:3], sets=True, reader="abaqus"),
-    Format("SU2", (".su2",), "su2", _ALL[:2], _ALL[1:2], surface=False),
+    Format("Abaqus", (".inp",), "", _ALL[:3], sets=True, names=True, reader="abaqus"),
+    Format("SU2", (".su2",), "", _ALL[:2], _ALL[1:2], names=True, surface=False, reader="su2"),
     Format(
         *("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2]), surface=False, packed=(".ele", ".node", ".face")
     ),

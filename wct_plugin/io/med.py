@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import med_fields
+from wct_plugin.io import med_families, med_fields
+from wct_plugin.io.med_families import TAGS, Family
 from wct_plugin.io.node_orders import in_med
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
-#: MED's kinds of cells by meshio's names.
-_KINDS = {
+#: Meshio's names of MED's kinds of cells.
+KINDS = {
     "PO1": "vertex", "SE2": "line", "SE3": "line3", "SE4": "line4", "TR3": "triangle", "TR6": "triangle6",
     "TR7": "triangle7", "QU4": "quad", "QU8": "quad8", "QU9": "quad9", "TE4": "tetra", "T10": "tetra10",
     "PY5": "pyramid", "P13": "pyramid13", "PE6": "wedge", "P15": "wedge15", "P18": "wedge18", "HE8": "hexahedron",
@@ -35,8 +36,8 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
         step = _step(mesh, meshes[0], notes)
         raw, names = _cells(step, int(mesh.attrs["ESP"]))
         families = file.get(f"FAS/{meshes[0]}", mesh.get("FAS", {}))
-        raw.families = _families(families.get("ELEME", {}))
-        _point_groups(raw, step["NOE"], _families(families.get("NOEUD", {})))
+        med_families.put_cells(raw, med_families.read(families.get("ELEME", {})))
+        _point_groups(raw, step["NOE"], med_families.read(families.get("NOEUD", {})))
         med_fields.put(raw, names, file, meshes[0], lost)
     raw.notes += notes
     return raw, lost
@@ -71,18 +72,18 @@ def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
     for name, group in step.get("MAI", {}).items():
         if name == _POLYHEDRA or name in _POLYGONS:
             blocks = _open_cells(name, group)
-        elif name in _KINDS:
+        elif name in KINDS:
             nodes = group["NOD"]
-            blocks = [(_KINDS[name], _columns(nodes, int(nodes.attrs["NBR"])) - 1, slice(None))]
+            blocks = [(KINDS[name], _columns(nodes, int(nodes.attrs["NBR"])) - 1, slice(None))]
         else:
-            raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(_KINDS)}")
+            raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(KINDS)}")
         family = group["FAM"][()] if "FAM" in group else None
         for kind, cells, rows in blocks:
             raw.cells.append(RawBlock(kind, in_med(kind, cells.astype(np.int64))))
             tags.append(None if family is None else family[rows])
             names.append(name)
     if any(column is not None for column in tags):
-        raw.cell_data["cell_tags"] = [
+        raw.cell_data[TAGS] = [
             np.zeros(len(block), np.int64) if column is None else column
             for block, column in zip(raw.cells, tags, strict=True)
         ]
@@ -102,30 +103,12 @@ def _open_cells(name: str, group: Any) -> list[tuple[str, NDArray[Any], Any]]:
     return made
 
 
-def _families(group: Any) -> dict[int, list[str]]:
-    """By number the names of the groups that a family belongs to; gmsh has families that belong to none."""
-    made: dict[int, list[str]] = {}
-    for family in group.values():
-        names = family["GRO"]["NOM"][()] if "GRO" in family else []
-        made[int(family.attrs["NUM"])] = [_text(np.asarray(name).astype(np.uint8).tobytes()) for name in names]
-    return {number: names for number, names in made.items() if names}
-
-
-def _text(row: bytes) -> str:
-    """A name of fixed length: in UTF-8, as Salome has it, or in Latin-1, as older programs."""
-    name = row.partition(b"\0")[0].strip()
-    try:
-        return name.decode("utf-8")
-    except UnicodeDecodeError:
-        return name.decode("latin-1")
-
-
-def _point_groups(raw: RawMesh, points: Any, families: dict[int, list[str]]) -> None:
+def _point_groups(raw: RawMesh, points: Any, families: dict[int, Family]) -> None:
     if "FAM" not in points:
         return
     numbers = np.asarray(points["FAM"][()])
-    if numbers.any():
-        raw.point_data["point_tags"] = numbers
-    for name in dict.fromkeys(name for names in families.values() for name in names):
-        members = [number for number, names in families.items() if name in names]
+    if not set(np.unique(numbers).tolist()) <= {0, *(number for number, one in families.items() if one.groups)}:
+        raw.point_data["point_tags"] = numbers  # no group says it
+    for name in dict.fromkeys(name for one in families.values() for name in one.groups):
+        members = [number for number, one in families.items() if name in one.groups]
         raw.point_sets[name] = np.flatnonzero(np.isin(numbers, members))

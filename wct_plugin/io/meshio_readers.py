@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,7 +28,6 @@ def load(file: Path, form: Format) -> tuple[RawMesh, list[str]]:
         for warning in said:
             if any(phrase in warning for phrase in _FATAL):
                 raise InputError(warning)
-        _check_count(raw, file, form)
         if form.name == "TetGen":
             said += _beyond_counts(file)
             tetgen_face_file.add_facets(raw, file)
@@ -46,8 +44,7 @@ def raw_mesh(mesh: Any) -> RawMesh:
         dict(mesh.point_sets),
         {name: list(columns) for name, columns in mesh.cell_sets.items()},
         dict(mesh.field_data),
-        dict(getattr(mesh, "cell_tags", {})),
-        list(getattr(mesh, "gmsh_periodic", None) or ()),
+        periodic=list(getattr(mesh, "gmsh_periodic", None) or ()),
     )
 
 
@@ -102,13 +99,3 @@ def _beyond_counts(file: Path) -> list[str]:
     found = {part.name: _content(part) for part in _tetgen_parts(file)}
     extra = {name: len(lines) - 1 - int(lines[0].split()[0]) for name, lines in found.items()}
     return [f"{count} lines of {name} beyond its count" for name, count in extra.items() if count > 0]
-
-
-def _check_count(raw: RawMesh, file: Path, form: Format) -> None:
-    """Meshio stops at the end of an SU2 file whatever was announced."""
-    if form.name != "SU2":
-        return
-    announced = sum(int(count) for count in re.findall(rb"(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", file.read_bytes()))
-    read = sum(len(block) for block in raw.cells)
-    if announced != read:
-        raise InputError(f"has {read} cells but announces {announced}")

@@ -3,15 +3,28 @@
 import io
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.io import gmsh22, gmsh41, medit, medit_writer, obj, off, ply, tetgen_face_file
+from wct_plugin.io import (
+    abaqus_writer,
+    gmsh22,
+    gmsh41,
+    med_families,
+    med_writer,
+    medit,
+    medit_writer,
+    obj,
+    off,
+    ply,
+    su2,
+    tetgen_face_file,
+)
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
@@ -20,10 +33,6 @@ from wct_plugin.io.meshio_readers import overheard
 from wct_plugin.io.node_orders import in_gmsh, in_med
 from wct_plugin.io.periodic_sides import PeriodicSides
 from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
-
-#: SU2's numbers of kinds of cells, which are VTK's.
-_SU2_VOLUMES = {"tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14}
-_SU2_FACES = {"triangle": 5, "quad": 9}
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -34,13 +43,16 @@ class Content:
 
     points: NDArray[np.float64]
     cells: list[tuple[str, NDArray[np.int64]]]
-    point_data: Arrays
-    cell_data: dict[str, list[NDArray[Any]]]
-    point_sets: dict[str, NDArray[np.int64]]
-    cell_sets: dict[str, list[NDArray[np.int64]]]
-    names: dict[str, NDArray[np.int64]]
-    groups: dict[str, dict[int, NDArray[np.int64]]]  #: by kind of cell, the members of groups that share cells
-    periodic: list[PeriodicSides]
+    point_data: Arrays = field(default_factory=dict)
+    cell_data: dict[str, list[NDArray[Any]]] = field(default_factory=dict)
+    point_sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+    cell_sets: dict[str, list[NDArray[np.int64]]] = field(default_factory=dict)
+    names: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+    #: By kind of cell, the members of groups that share cells.
+    groups: dict[str, dict[int, NDArray[np.int64]]] = field(default_factory=dict)
+    periodic: list[PeriodicSides] = field(default_factory=list)
+    comments: list[str] = field(default_factory=list)  #: of Abaqus: the numbers of tags
+    types: dict[str, str] = field(default_factory=dict)  #: of Abaqus: the type of elements, by kind of cell
 
     def mesh(self, **extra: Any) -> Any:
         """All of it but the names as a meshio mesh."""
@@ -80,6 +92,13 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
     if form.name == "gmsh":
         _write_gmsh(path, content, msh)
         return []
+    if form.name == "Abaqus":
+        sets = content.point_sets, content.cell_sets
+        abaqus_writer.write(path, content.points, content.cells, *sets, content.types, content.comments)
+        return []
+    if form.name == "MED":
+        _write_med(path, content)
+        return []
     if form.name == "Medit":
         references = content.cell_data[medit.REFERENCES]
         medit_writer.write(
@@ -90,8 +109,6 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
         match form.name:
             case "XDMF":
                 _write_xdmf(path, content)
-            case "MED":
-                _write_med(path, content)
             case "TetGen":
                 return _write_tetgen(path, content)
             case _:
@@ -144,11 +161,13 @@ def _write_xdmf(path: Path, content: Content) -> None:
 
 
 def _write_med(path: Path, content: Content) -> None:
-    """By way of memory, for the same reason."""
-    buffer = io.BytesIO()
+    cell_data = dict(content.cell_data)
+    tags = cell_data.pop(med_families.TAGS)
     cells = [(kind, in_med(kind, rows)) for kind, rows in content.cells]
-    meshio_module("med").write(buffer, replace(content, cells=cells).mesh())
-    path.write_bytes(buffer.getvalue())
+    med_writer.write(
+        *(path, content.points, cells, tags, content.point_sets, content.cell_sets, content.names),
+        *(content.point_data, cell_data),
+    )
 
 
 def _write_tetgen(path: Path, content: Content) -> list[str]:
@@ -161,28 +180,8 @@ def _write_tetgen(path: Path, content: Content) -> list[str]:
 
 
 def _write_su2(path: Path, content: Content) -> None:
-    """Meshio 5.3.5 fails on any boundary cell here."""
-    cells = dict(content.cells)
-    tags = dict(zip(cells, content.cell_data["su2:tag"], strict=True))
-    with path.open("w") as file:
-        file.write(f"NDIME= 3\nNPOIN= {len(content.points)}\n")
-        file.writelines(f"{x!r} {y!r} {z!r}\n" for x, y, z in content.points.tolist())
-        file.write(f"NELEM= {sum(len(cells[kind]) for kind in _SU2_VOLUMES if kind in cells)}\n")
-        for kind, number in _SU2_VOLUMES.items():
-            _put_su2(file, number, cells.get(kind))
-        faces = {kind: number for kind, number in _SU2_FACES.items() if kind in cells}
-        markers = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(tags[kind] for kind in faces)])).tolist()
-        file.write(f"NMARK= {len(markers)}\n")
-        for marker in markers:
-            rows = {kind: cells[kind][tags[kind] == marker] for kind in faces}
-            file.write(f"MARKER_TAG= {marker}\nMARKER_ELEMS= {sum(map(len, rows.values()))}\n")
-            for kind, number in faces.items():
-                _put_su2(file, number, rows[kind])
-
-
-def _put_su2(file: TextIO, number: int, cells: NDArray[np.int64] | None) -> None:
-    if cells is not None:
-        file.writelines(f"{number} " + " ".join(map(str, cell)) + "\n" for cell in cells.tolist())
+    names = {int(tag): name for name, (tag, dimension) in content.names.items() if dimension == 2}
+    su2.write(path, content.points, content.cells, content.cell_data["su2:tag"], names)
 
 
 def _add_names(path: Path, names: dict[str, NDArray[np.int64]]) -> None:

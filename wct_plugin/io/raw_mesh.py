@@ -38,10 +38,11 @@ class RawMesh:
     cell_data: dict[str, list[NDArray[Any] | None]] = field(default_factory=dict)
     point_sets: dict[str, Ints] = field(default_factory=dict)
     cell_sets: dict[str, list[Ints | None]] = field(default_factory=dict)
-    field_data: dict[str, NDArray[Any]] = field(default_factory=dict)  #: gmsh's physical names: tag, dimension
-    families: Mapping[int, list[str]] = field(default_factory=dict)  #: MED: the groups that each tag stands for
+    field_data: dict[str, NDArray[Any]] = field(default_factory=dict)  #: names of tags: tag, dimension
+    #: Abaqus: sets that stand for the tag of their name in ``field_data``, and whether they are sets by themselves too.
+    tag_sets: dict[str, bool] = field(default_factory=dict)
     periodic: list[Any] = field(default_factory=list)  #: gmsh: dimension, tags, affine map, pairs of points
     #: Abaqus: the type of the elements of a kind of cell (``{"tetra": "C3D4", "triangle": "S3"}``); where there are
-    #: several of a kind, the first.
+    #: several of a kind, the first; elements of the others are in a set each.
     element_types: Mapping[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  #: what was done to what the file holds, a line each, for the user

@@ -3,24 +3,27 @@
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import ObjectError, OutputError, WctWarning
-from wct_plugin.io import beside_tets, formats, gmsh_version, medit_sections, mid_nodes
-from wct_plugin.io.assembly import ENTITIES, SET, TAG_SET, TAGS, gmsh_entities
+from wct_plugin.io import abaqus_names, beside_tets, formats, gmsh_version, med_families, medit_sections, mid_nodes
+from wct_plugin.io.assembly import ENTITIES, SET, TAGS, gmsh_entities
 from wct_plugin.io.atomic_files import replacing
+from wct_plugin.io.blocks import Block
 from wct_plugin.io.compressed import packing
 from wct_plugin.io.formats import PYVISTA, Format
 from wct_plugin.io.gmsh_options import MshOptions
-from wct_plugin.io.meshio_writers import Arrays, Content, attribute, save
+from wct_plugin.io.meshio_writers import Content, attribute, save
 from wct_plugin.io.periodic_sides import numbered, sides_of
 from wct_plugin.io.standard_streams import STREAM, check_target, to_stdout
+from wct_plugin.io.written_names import as_sets, fitting, with_positive_tags
+from wct_plugin.io.written_regions import shared_type, tags_and_arrays
 from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
 
 #: The array that holds the tags, for formats that have one for this.
@@ -145,46 +148,43 @@ def _settled(path: str | Path, content: Content, msh: MshOptions) -> tuple[MshOp
         raise OutputError(f"{path}: {error}") from None
 
 
-@dataclass
-class _Block:
-    """One kind of cell as it will be written."""
-
-    kind: str
-    cells: NDArray[np.int64]
-    tags: NDArray[np.int64]
-    data: Arrays
-    sets: dict[str, NDArray[np.int64]]
-
-
 def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[str]]:
     """What of the mesh the format can carry, as meshio wants it, and the names of all else."""
     lost: list[str] = []
     if isinstance(mesh, TetMesh) and mesh.others and not set(mesh.others.cells) & set(form.others):
         lost += [f"{len(cells)} {_called(kind)}" for kind, cells in mesh.others.cells.items()]
         mesh = replace(mesh, others=None)
-    blocks = [block for block in _blocks(mesh) if _fits(block, form, lost)]
+    blocks = [block for block in _blocks(mesh, form) if _fits(block, form, lost)]
     points = given = beside_tets.points_of(mesh)
     if form.name == "Nastran":
         points = _rounded(given)
         if (points != given).any():
             lost.append("digits of coordinates beyond what 16 characters hold")
-    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks], {}, {}, {}, {}, {}, {}, [])
+    content = Content(points, [(block.kind, np.array(block.cells)) for block in blocks])
     _put_point_data(content, mesh, form, lost)
     _put_cell_data(content, blocks, form, lost)
+    names = dict(mesh.names) if isinstance(mesh, TetMesh) else {}
+    if form.name == "gmsh":
+        names = with_positive_tags(blocks, names)
     _put_tags(content, blocks, mesh, form, lost)
     point_sets = beside_tets.point_sets_of(mesh) if isinstance(mesh, TetMesh) else {}
     if form.name == "gmsh" and isinstance(mesh, TetMesh):
-        content.groups = {block.kind: _take_groups(block, mesh.names) for block in blocks}
+        content.groups = {block.kind: _take_groups(block, names) for block in blocks}
+    kept = fitting(form, blocks, names)
+    if form.name == "Abaqus":
+        kept, content.comments = as_sets(blocks, names)
+        content.types = dict(mesh.element_types) if isinstance(mesh, TetMesh) else {}
     _put_sets(content, blocks, point_sets, form, lost)
     if isinstance(mesh, TetMesh) and mesh.periodic:
         _put_periodic(content, mesh, form, lost)
-    names = mesh.names if isinstance(mesh, TetMesh) else {}
-    for name, pair in names.items():
-        if form.names and not set('"\n\\') & set(name):
-            content.names[name] = np.array(pair, dtype=np.int64)
-        else:
-            lost.append(f"name {name!r}")
+    content.names = {name: np.array(pair, dtype=np.int64) for name, pair in kept.items()}
+    lost += [f"name {name!r}" for name in names if name not in kept and name not in _sets_as_arrays(content)]
     return content, lost
+
+
+def _sets_as_arrays(content: Content) -> set[str]:
+    """Names of the sets of cells that are written as arrays."""
+    return {unquote(name)[len(SET) :] for name in content.cell_data if name.startswith(SET)}
 
 
 def _rounded(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -197,16 +197,17 @@ def _rounded(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([fitting(value) for value in points.ravel().tolist()]).reshape(points.shape)
 
 
-def _blocks(mesh: TetMesh | SurfaceMesh) -> list[_Block]:
+def _blocks(mesh: TetMesh | SurfaceMesh, form: Format) -> list[Block]:
     if isinstance(mesh, SurfaceMesh):
-        return [_Block("triangle", mesh.triangles, mesh.tags, dict(mesh.cell_data), {})]
-    blocks = [_Block("tetra", mesh.tets, mesh.regions, dict(mesh.cell_data), dict(mesh.tet_sets))]
+        return [Block("triangle", mesh.triangles, mesh.tags, dict(mesh.cell_data), {})]
+    tags, arrays = tags_and_arrays(mesh, native=form.sets or form.name in _TAG)
+    blocks = [Block("tetra", mesh.tets, tags, arrays, dict(mesh.tet_sets))]
     for kind, cells in beside_tets.tagged_cells(mesh).items():
-        blocks.append(_Block(kind, cells.vertices, cells.tags, dict(cells.data), dict(cells.sets)))
+        blocks.append(Block(kind, cells.vertices, cells.tags, dict(cells.data), dict(cells.sets)))
     return blocks
 
 
-def _fits(block: _Block, form: Format, lost: list[str]) -> bool:
+def _fits(block: Block, form: Format, lost: list[str]) -> bool:
     count = 0 if block.kind in form.cells or block.kind in form.others else len(block.cells)
     if form.name == "Medit" and block.kind == "vertex":  # it has vertices of which something is said, and no others
         said = [members for name, members in block.sets.items() if medit_sections.set_of(name, "vertex")]
@@ -231,7 +232,7 @@ def _put_point_data(content: Content, mesh: TetMesh | SurfaceMesh, form: Format,
         content.point_data["medit:ref"] = np.zeros(len(content.points), dtype=np.int64)
 
 
-def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: list[str]) -> None:
+def _put_cell_data(content: Content, blocks: list[Block], form: Format, lost: list[str]) -> None:
     """One array for all blocks, as meshio wants it; zeros or NaN where a block has none."""
     for name in dict.fromkeys(name for block in blocks for name in block.data):
         owners = [block.data[name] for block in blocks if name in block.data]
@@ -252,24 +253,32 @@ def _put_cell_data(content: Content, blocks: list[_Block], form: Format, lost: l
 
 
 def _put_tags(
-    content: Content, blocks: list[_Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
+    content: Content, blocks: list[Block], mesh: TetMesh | SurfaceMesh, form: Format, lost: list[str]
 ) -> None:
     # Under another name than a conventional one they would not be read as tags again.
-    meant = mesh.tag_name if isinstance(mesh, TetMesh) and mesh.tag_name in TAGS else "gmsh:physical"
+    known = isinstance(mesh, TetMesh) and mesh.tag_name in (*TAGS, mesh.region_name, *mesh.cell_data)
+    meant = mesh.tag_name if isinstance(mesh, TetMesh) and known else "gmsh:physical"
     tags = [block.tags if _keeps_tags(block.kind, form) else np.zeros_like(block.tags) for block in blocks]
     for block, kept in zip(blocks, tags, strict=True):
         if (block.tags != kept).any():
             lost.append("regions" if block.kind == "tetra" else f"tags of {_called(block.kind)}")
     key = _spelled(_TAG.get(form.name, meant), form)
+    entities = [gmsh_entities(block.tags) for block in blocks] if form.name == "gmsh" else []
     for name in dict.fromkeys((key, ENTITIES) if form.name == "gmsh" else (key,)):
-        if content.cell_data.pop(name, None) is not None:
+        columns = content.cell_data.pop(name, None)
+        if columns is not None and isinstance(mesh, TetMesh) and name == mesh.region_name:
+            entities[0] = columns[0].astype(np.int64)  # what a gmsh file has beside groups can be the regions
+        elif columns is not None:
             lost.append(f"cell data {name!r}, whose name is that of the tags")
     if form.name == "gmsh":
         groups = meant != ENTITIES
         content.cell_data[key] = [column if groups else np.zeros_like(column) for column in tags]
-        content.cell_data[ENTITIES] = [gmsh_entities(block.tags) for block in blocks]
+        content.cell_data[ENTITIES] = entities
     elif form.tagged and (form.name in _TAG or any(column.any() for column in tags)):
-        content.cell_data[key] = [np.array(column) for column in tags]
+        if isinstance(mesh, TetMesh) and key == _spelled(mesh.region_name, form):
+            content.cell_data[key] = shared_type(mesh, tags)
+        else:
+            content.cell_data[key] = [np.array(column) for column in tags]
 
 
 def _keeps_tags(kind: str, form: Format) -> bool:
@@ -278,18 +287,16 @@ def _keeps_tags(kind: str, form: Format) -> bool:
     return like in form.tagged or form.sets
 
 
-def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format, lost: list[str]) -> None:
-    """Sets where the format has them, else arrays of 0 and 1; Abaqus has no tags, so these become sets there."""
-    if form.sets:
-        for block in blocks:
-            for tag in np.unique(block.tags[block.tags != 0]).tolist():
-                block.sets[f"{TAG_SET}{block.kind}_{tag}"] = np.flatnonzero(block.tags == tag)
+def _put_sets(content: Content, blocks: list[Block], points: Any, form: Format, lost: list[str]) -> None:
+    """Sets where the format has them, else arrays of 0 and 1."""
+    able = {"Abaqus": abaqus_names.fits, "MED": med_families.fits}.get(form.name)
     for which, block in enumerate(blocks):
         for name, members in block.sets.items():
-            fits = form.sets and _fit_for_abaqus(name)
+            fits = able is not None and able(name) and (len(members) or form.name == "MED")
             fits |= form.name == "Medit" and medit_sections.set_of(name, block.kind) is not None
-            if fits and name not in content.cell_sets:
-                content.cell_sets[name] = [members if k == which else members[:0] for k in range(len(blocks))]
+            if fits:
+                nobody = [members[:0] for _ in blocks]
+                content.cell_sets.setdefault(name, nobody)[which] = members
             elif form.cell_data and (array := _array(SET + name, np.zeros(0, "u1"), form)) is not None:
                 key = _spelled(SET + name, form)
                 columns = content.cell_data.setdefault(key, [np.zeros(len(b.cells), array.dtype) for b in blocks])
@@ -297,7 +304,7 @@ def _put_sets(content: Content, blocks: list[_Block], points: Any, form: Format,
             else:
                 lost.append(f"set {name!r} of {_called(block.kind).removeprefix('tagged ')}")
     for name, members in points.items():
-        if form.sets and _fit_for_abaqus(name):
+        if able is not None and able(name):
             content.point_sets[name] = members
         elif form.point_data and (array := _array(SET + name, np.zeros(len(content.points), "u1"), form)) is not None:
             array[members] = 1
@@ -316,7 +323,7 @@ def _put_periodic(content: Content, mesh: TetMesh, form: Format, lost: list[str]
             content.cell_data[ENTITIES][k] = numbered(content.periodic, content.cell_data[ENTITIES][k])
 
 
-def _take_groups(block: _Block, names: Mapping[str, tuple[int, int]]) -> dict[int, NDArray[np.int64]]:
+def _take_groups(block: Block, names: Mapping[str, tuple[int, int]]) -> dict[int, NDArray[np.int64]]:
     """Take out the sets that are physical groups, by name and dimension, of cells that have other tags."""
     groups = {}
     for name in [name for name in block.sets if names.get(name, (0, -1))[1] == cell_kinds.dimension(block.kind)]:
@@ -324,10 +331,6 @@ def _take_groups(block: _Block, names: Mapping[str, tuple[int, int]]) -> dict[in
         if tag and np.isin(np.flatnonzero(block.tags == tag), block.sets[name]).all():
             groups[tag] = block.sets.pop(name)
     return groups
-
-
-def _fit_for_abaqus(name: str) -> bool:
-    return bool(name) and not set(name) & set(',=*\n"') and name == name.strip()
 
 
 def _array(name: str, values: NDArray[Any], form: Format) -> NDArray[Any] | None:

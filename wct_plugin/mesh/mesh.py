@@ -149,7 +149,9 @@ class TetMesh(Pickled):
     ``names`` physical names as in gmsh: name -> (tag, dimension); ``tag_name`` the array the tags came from;
     ``reference`` the surface the boundary should stay near, where the pipeline knows it; ``source`` the file;
     ``periodic`` whether sides that are translates of each other are meant to match, as gmsh's files say it;
-    ``others`` the cells beside the tets that are none; ``second_order`` what there was of it, if tets had mid nodes.
+    ``others`` the cells beside the tets that are none; ``second_order`` what there was of it, if tets had mid nodes;
+    ``region_name`` the array of ``cell_data`` that the regions repeat, if they came from one beside the tags;
+    ``element_types`` Abaqus's type of the elements of each kind, where the file was one.
 
     Construction turns negative tets round and drops points no tet uses (data and tags follow); :attr:`repairs` counts
     both. Raises :class:`wct_plugin.errors.InputError` for NaN, indices out of range, duplicate tets and tets of zero
@@ -174,6 +176,8 @@ class TetMesh(Pickled):
     periodic: bool = False
     others: "OtherCells | None" = None
     second_order: "SecondOrder | None" = None
+    region_name: str = ""
+    element_types: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         points = _rows_of_3(self.points)
@@ -210,6 +214,7 @@ class TetMesh(Pickled):
         store_mapping(self, "cell_data", checked_data(self.cell_data, len(tets), "tet"))
         store_mapping(self, "tet_sets", checked_sets(self.tet_sets, len(tets), "tet"))
         store_mapping(self, "names", dict(self.names))
+        store_mapping(self, "element_types", dict(self.element_types))
         _set(self, "repairs", self.repairs + Repairs(flipped, orphans, stray))
 
     def _drop_orphans(self, used: NDArray[np.bool_]) -> int:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, TetMesh
+from wct_plugin.mesh.index_arrays import masks
 from wct_plugin.mesh.strata import Strata
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats, Ints
@@ -49,8 +50,9 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
     """Give the new mesh the old one's tagged facets and edges, named sets, names and data.
 
     A tagged patch or curve of the surface keeps its tags and sets; tagged vertices go to the new point in their place.
-    Point data are interpolated linearly in the old tets; cell data and tet sets are those of the old tet at the new
-    one's centroid. What cannot be carried is named in a :class:`WctWarning`.
+    Point data are interpolated linearly in the old tets. Cell data that are constant on each region stay so, and sets
+    that are unions of regions too; others are those of the old tet at the new one's centroid. What cannot be carried
+    is named in a :class:`WctWarning`.
     """
     lost = []
     facets = _cells_by_label(old.facets, strata.triangles, strata.patch, new.facets, new.facet_patch)
@@ -60,8 +62,6 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
     lost += [f"point set {name!r}" for name in old.point_sets]
     nodes = _nodes(old, new)
     point_data: Mapping[str, NDArray[Any]] = {}
-    cell_data: Mapping[str, NDArray[Any]] = {}
-    tet_sets: dict[str, Ints] = {}
     if old.point_data:
         tet, weights = locate(old, new.points)
         point_data = {
@@ -70,13 +70,7 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
             if values.dtype.kind == "f"
         }
         lost += [f"point data {name!r}" for name in old.point_data if name not in point_data]
-    if old.cell_data or old.tet_sets:
-        tet, _ = locate(old, new.points[new.tets].mean(axis=1))
-        cell_data = {name: values[tet] for name, values in old.cell_data.items()}
-        for name, members in old.tet_sets.items():
-            inside = np.zeros(len(old.tets), dtype=bool)
-            inside[members] = True
-            tet_sets[name] = np.flatnonzero(inside[tet])
+    cell_data, tet_sets = _of_tets(old, new)
     if lost:
         warnings.warn(f"resampling drops {', '.join(lost)}", WctWarning, stacklevel=2)
     return TetMesh(
@@ -97,7 +91,32 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
         old.repairs,
         old.periodic,
         second_order=old.second_order,
+        region_name=old.region_name,
+        element_types=old.element_types,
     )
+
+
+def _of_tets(old: TetMesh, new: Resampled) -> tuple[dict[str, NDArray[Any]], dict[str, Ints]]:
+    """Cell data and tet sets of the new mesh."""
+    count = len(old.tets)
+    inside = masks(old.tet_sets, count)
+    columns = [*old.cell_data.values(), *inside.values()]
+    if not columns:
+        return {}, {}
+    _, first, region = np.unique(old.regions, return_index=True, return_inverse=True)
+    example = first[np.searchsorted(old.regions[first], new.regions)]  # a tet of the region, for each new tet
+    exact = [_same(values, values[first[region.ravel()]]) for values in columns]
+    nearest = example if all(exact) else locate(old, new.points[new.tets].mean(axis=1))[0]
+    carried = [values[example if alike else nearest] for values, alike in zip(columns, exact, strict=True)]
+    found, members = carried[: len(old.cell_data)], carried[len(old.cell_data) :]
+    return (
+        dict(zip(old.cell_data, found, strict=True)),
+        {name: np.flatnonzero(mask) for name, mask in zip(inside, members, strict=True)},
+    )
+
+
+def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
+    return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
 
 
 def locate(mesh: TetMesh, queries: Floats) -> tuple[Ints, Floats]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from wct_plugin.errors import ObjectError, OptionError
 from wct_plugin.io import read
+from wct_plugin.io.region_choice import Regions, refuse_for_surface, warn_of_others, with_regions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
@@ -64,7 +65,7 @@ def library_of(obj: Any) -> Library | None:
     return next((one for one in LIBRARIES if one.takes(obj)), None)
 
 
-def as_mesh(obj: Any) -> TetMesh | SurfaceMesh:
+def as_mesh(obj: Any, *, regions: Regions = None) -> TetMesh | SurfaceMesh:
     """Make a mesh of what people hold; one of ours stays what it is, and a file of that name is read.
 
     Parameters
@@ -73,6 +74,8 @@ def as_mesh(obj: Any) -> TetMesh | SurfaceMesh:
         ``(points, tets)``, ``(points, tets, regions)``, ``(points, triangles)``, a ``meshio.Mesh``, a pyvista or VTK
         grid or surface, a ``skfem.MeshTet``, the module ``gmsh`` for its current model, a ``pymeshlab.MeshSet``, a
         ``trimesh.Trimesh``, a dolfinx mesh or its tuple with tags, or the name of a file.
+    regions : str or sequence of str, optional
+        What the regions are, as of :func:`wct_plugin.read`.
 
     Returns
     -------
@@ -85,16 +88,27 @@ def as_mesh(obj: Any) -> TetMesh | SurfaceMesh:
         For any other object, naming those that can be taken.
     InputError
         If it holds no mesh of tets or triangles.
+    OptionError
+        If ``regions`` are not there, are no whole numbers, or overlap.
     """
-    if isinstance(obj, TetMesh | SurfaceMesh):
-        return obj
     if isinstance(obj, str | os.PathLike):
-        return read(os.fspath(obj))
+        return read(os.fspath(obj), regions=regions)
+    if isinstance(obj, TetMesh | SurfaceMesh):
+        return _with_regions(obj, regions)
     library = library_of(obj)
     if library is None:
         raise ObjectError(f"cannot make a mesh of {called(obj)}; allowed are {taken()}")
     mesh: TetMesh | SurfaceMesh = library.function("from")(obj)
-    return mesh
+    if regions is None and isinstance(mesh, TetMesh):
+        warn_of_others(mesh, called(obj))
+    return _with_regions(mesh, regions)
+
+
+def _with_regions(mesh: TetMesh | SurfaceMesh, regions: Regions) -> TetMesh | SurfaceMesh:
+    if isinstance(mesh, SurfaceMesh):
+        refuse_for_surface(regions)
+        return mesh
+    return mesh if regions is None else with_regions(mesh, regions)
 
 
 def converted(mesh: TetMesh | SurfaceMesh, to: str) -> Any:

@@ -30,7 +30,8 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     """Make a mesh of a dataset: tets with the triangles, lines and vertices beside them, or a surface of triangles.
 
     Arrays go by the conventions of VTU files: integer tags from the first of the conventional cell arrays
-    (``gmsh:physical``, ``medit:ref``, ...) that is there, ``set:NAME`` arrays as named sets.
+    (``gmsh:physical``, ``medit:ref``, ...) that is there, ``set:NAME`` arrays as named sets; where no tet has a tag,
+    regions from an array of a usual name (``material``, ...).
 
     Parameters
     ----------

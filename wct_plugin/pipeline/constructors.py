@@ -43,13 +43,16 @@ class _Ends(Filters):
 
 
 class Readers(_Ends):
-    """``wct.Reader(file)`` reads a mesh, ``wct.Reader(mesh)`` takes one of ours or of another library."""
+    """``wct.Reader(file)`` reads a mesh, ``wct.Reader(mesh)`` takes one of ours or of another library.
+
+    Options of ``readers.mesh`` may follow: ``wct.Reader("part.vtu", regions="zone")``.
+    """
 
     _family = "readers"
 
-    def __call__(self, source: Any, *, tag: str = "") -> Pipeline:
+    def __call__(self, source: Any, *, tag: str = "", **options: Any) -> Pipeline:
         """Give a pipeline that begins with ``source``."""
-        return Pipeline([Step(ReadMesh(filename=source), tag)])
+        return Pipeline([Step(ReadMesh(filename=source, **options), tag)])
 
 
 class Writers(_Ends):

@@ -5,6 +5,7 @@ import warnings
 from typing import Any
 
 from wct_plugin.errors import OptionError, WctWarning
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import TetMesh
 from wct_plugin.objects import conversions
 from wct_plugin.pipeline.graph import Step, find_stage, unplaced_errors
@@ -23,6 +24,7 @@ def optimize(
     target: str | os.PathLike[str] | None = None,
     *,
     to: str | None = None,
+    regions: Regions = None,
     progress: ProgressCallback | None = None,
     **options: Any,
 ) -> Any:
@@ -42,6 +44,8 @@ def optimize(
     to : str, optional
         What to give back, one of ``conversions.TARGETS``. Without it what came in; a mesh of ours for a file, and
         where what came in cannot hold tets, as a ``trimesh.Trimesh``. For gmsh it is the name of a new model.
+    regions : str or sequence of str, optional
+        What the regions are, as of :func:`wct_plugin.read`.
     progress : callable, optional
         Told where the work stands; returning False stops it.
     **options
@@ -62,7 +66,7 @@ def optimize(
     if to is not None and to not in conversions.TARGETS:
         raise OptionError(f"to is {to!r}; allowed are {', '.join(conversions.TARGETS)}")
     optimizer = find_filter(_OPTIMIZER)(**options)
-    mesh = conversions.as_mesh(source)
+    mesh = conversions.as_mesh(source, regions=regions)
     mesher = [] if isinstance(mesh, TetMesh) else [find_filter(_MESHER)()]
     steps = [ReadMesh(filename=mesh), *mesher, optimizer]
     if target is not None:

@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from wct_plugin.errors import InternalError, OptionError, WctError
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.objects.conversions import called
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import Flow
 from wct_plugin.pipeline.graph import Step, find_stage, label, order, unnamed, upstream, wire
-from wct_plugin.pipeline.readers_writers import Reader, ReadMesh, Writer, writer_type
+from wct_plugin.pipeline.readers_writers import Reader, Writer, mesh_reader, writer_type
 from wct_plugin.pipeline.result import Result, StageResult, goal_of
 from wct_plugin.pipeline.stage import FilterStage, Kind, Options, Stage
 from wct_plugin.progress import ProgressCallback
@@ -67,20 +68,21 @@ class Pipeline:
         source: Any,
         targets: Iterable[str | Path] = (),
         *,
+        regions: Regions = None,
         input_format: str | None = None,
         output_format: str | None = None,
     ) -> "Pipeline":
         """The pipeline with a reader of ``source``, a file or mesh, before it and writers of ``targets`` behind it.
 
-        The formats are suffixes, of files whose names do not tell them.
+        ``regions``: names of the array or sets that are the regions, as of :func:`wct_plugin.read`. The formats are
+        suffixes, of files whose names do not tell them.
         """
         if self.steps and not self.is_open:
             given = source if isinstance(source, str | Path) else called(source)
             raise OptionError(f"{label(self.steps, 0)}: needs no input; only filters that take a mesh can have {given}")
         written = {} if output_format is None else {"format": output_format}
         ends = [Step(find_stage(writer_type(str(target)))(filename=target, **written)) for target in targets]
-        read = {} if input_format is None else {"format": input_format}
-        return Pipeline((Step(ReadMesh(filename=source, **read)), *self.steps, *ends))
+        return Pipeline((Step(mesh_reader(source, regions, input_format=input_format)), *self.steps, *ends))
 
     def check(self, kinds: Iterable[Kind] | None = None, *, read: bool = False) -> None:
         """Check everything that can be checked before running: wiring, tags, files, formats and kinds of mesh.

@@ -7,13 +7,21 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, field_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+)
 
 from wct_plugin.duals import dual_files
 from wct_plugin.duals.dual_files import DualFormat
 from wct_plugin.errors import InputError, OutputError
 from wct_plugin.io import atomic_files, check_groups, check_order, formats, read, write
 from wct_plugin.io.gmsh_options import MshOptions, number_as_text
+from wct_plugin.io.region_choice import Regions
 from wct_plugin.io.standard_streams import STREAM, check_target
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
@@ -91,6 +99,11 @@ class SourceOptions(Options):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
+    regions: str | list[str] | None = Field(
+        None,
+        description="What the regions are: the name of an array of whole numbers, or names of sets of tets"
+        " (none: as the file says it)",
+    )
     filename: Any = Field(
         description="The file, - for standard input; its suffix tells the format",
         json_schema_extra={"type": "string", "minLength": 1},
@@ -102,13 +115,18 @@ class SourceOptions(Options):
 
     @field_validator("filename", mode="before")
     @classmethod
-    def _name_or_mesh(cls, value: Any) -> Any:
+    def _name_or_mesh(cls, value: Any, others: ValidationInfo) -> Any:
         value = _path(value)
         if isinstance(value, str) and value:
             return value
         if value == "" or isinstance(value, bool | int | float | dict | None):  # as JSON may have it
             raise ValueError("must be the name of a mesh file")
-        return as_mesh(value)
+        return as_mesh(value, regions=others.data.get("regions"))
+
+    @model_serializer(mode="wrap")
+    def _that_counts(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """What the file says by itself is no option that counts."""
+        return {name: value for name, value in dump(self).items() if name != "regions" or value is not None}
 
 
 class ReadMesh(Reader[SourceOptions]):
@@ -136,7 +154,8 @@ class ReadMesh(Reader[SourceOptions]):
         given: Mesh | str = self.options.filename
         if not isinstance(given, str):
             return given
-        return read(given, suffix=self.options.format, repair=self.options.repair)
+        wanted = self.options
+        return read(given, suffix=wanted.format, regions=wanted.regions, repair=wanted.repair)
 
 
 class TargetOptions(FileOptions):
@@ -348,6 +367,16 @@ class WriteDual(Writer[DualOptions]):
 ENDS: Mapping[str, type[Reader[Options]] | type[Writer[Options]]] = {
     end.type(): end for end in (ReadMesh, WriteMesh, WriteReport, WriteDual)
 }
+
+
+def mesh_reader(
+    source: Any, regions: Regions = None, *, input_format: str | None = None, repair: bool = False
+) -> ReadMesh:
+    """The reader of a mesh or file, with those options that are given."""
+    options: dict[str, Any] = {} if input_format is None else {"format": input_format}
+    if regions is not None:
+        options["regions"] = regions if isinstance(regions, str) else list(regions)
+    return ReadMesh(filename=source, **options, **({"repair": True} if repair else {}))
 
 
 def writer_type(filename: str) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
-from wct_plugin.measure import duals, fidelity, planes, quality, released_creases, shape_floor
+from wct_plugin.measure import duals, fidelity, pinned, planes, quality, released_creases, shape_floor
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.joints import Joints, count_joints
 from wct_plugin.measure.joints import describe as describe_joints
@@ -283,6 +283,7 @@ def _notes(found: Mapping[str, Any], joints: Joints) -> tuple[str, ...]:
         shape_floor.describe(found["shape"]) if "shape" in found else "",
         fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
         released_creases.describe(found["released"]) if "released" in found else "",
+        pinned.describe(found["pinned"]) if "pinned" in found else "",
         planes.describe(found["planes"]) if found.get("planes") else "",
         _pairs(found["periodic"]) if found.get("periodic") else "",
         describe_tolerance(found["tolerance"], bool(found.get("default_tolerance")), found.get("local_tolerance"))
