@@ -205,8 +205,10 @@ def test_other_cells_are_refused_by_name() -> None:
     grid = pv.ImageData(dimensions=(3, 3, 3)).cast_to_unstructured_grid()
     with pytest.raises(InputError, match=r"^UnstructuredGrid: has 8 voxel cells; allowed are tetra, triangle, line"):
         grid.wct.optimize()
-    with pytest.raises(InputError, match=r"^PolyData: has 6 quad cells; .*triangulate\(\)"):
-        pv.Cube().wct.optimize()
+    with pytest.warns(WctWarning, match=r"^PolyData: 6 quads split into triangles"):
+        cube = from_pyvista(pv.Cube())
+    assert isinstance(cube, SurfaceMesh)
+    assert len(cube.triangles) == 12
     with pytest.raises(InputError, match=r"^UnstructuredGrid: has neither tets nor triangles"):
         pv.UnstructuredGrid().wct.report()
     with pytest.raises(OptionError, match=r"needs a tet mesh, here is a surface"):
