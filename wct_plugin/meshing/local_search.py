@@ -203,8 +203,10 @@ class LocalSearch:
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
         Where much of the first is, its search goes on before that. Where the best is stuck in few places, the rest of
-        it stays, and creases that it gave up stay so.
+        it stays, and creases that it gave up stay so. What that may cost counts from here: where pairs of sides are to
+        match, one such search follows another.
         """
+        self.work.begin_with(len(start["tets"]))
         tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         while True:

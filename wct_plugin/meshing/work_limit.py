@@ -9,7 +9,7 @@ _START = 1_500
 
 
 class WorkLimit:
-    """What searches and their starts may cost together, and have cost so far."""
+    """What searches and their starts may cost together, and have cost since :meth:`begin_with`."""
 
     def __init__(self, tets: int, effort: int) -> None:
         """Begin; ``tets`` of the input."""
@@ -23,6 +23,11 @@ class WorkLimit:
         """Evaluations that are left."""
         allowed = self._effort * (_BASE + _PER_TET * self._tets)
         return max(0, int(allowed) - self._spent)
+
+    def begin_with(self, tets: int) -> None:
+        """Count anew, from a start of so many tets."""
+        self._spent = 0
+        self.add_start(tets)
 
     def add_start(self, tets: int) -> None:
         """Count a start of so many tets."""
