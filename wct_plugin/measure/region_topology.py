@@ -5,7 +5,6 @@ from typing import TypedDict
 import numpy as np
 
 from wct_plugin.mesh import TetMesh
-from wct_plugin.mesh.index_arrays import components
 from wct_plugin.mesh.topology import EDGES
 from wct_plugin.mesh.triangle_surfaces import pinched, surface_edges
 from wct_plugin.types import Ints
@@ -25,7 +24,6 @@ def measure_region_topology(mesh: TetMesh) -> dict[str, RegionTopology]:
     topology, regions = mesh.topology, mesh.regions
     inner = topology.interior_pairs
     same = inner[regions[inner[:, 0]] == regions[inner[:, 2]]]
-    piece = components(same[:, 0], same[:, 2], len(mesh.tets))
     pairs = topology.interface_pairs
     half_facets = np.concatenate([topology.boundary_half_facets, pairs[:, :2], pairs[:, 2:]])
     out: dict[str, RegionTopology] = {}
@@ -35,7 +33,7 @@ def measure_region_topology(mesh: TetMesh) -> dict[str, RegionTopology]:
         sizes = surface_edges(surface, len(mesh.points))[3]
         shared = int((regions[same[:, 0]] == tag).sum())
         out[str(tag)] = {
-            "components": len(np.unique(piece[rows])),
+            "components": len(np.unique(topology.pieces[rows])),
             "euler_characteristic": _euler_characteristic(mesh.tets[rows], shared),
             "joined_edges": int((sizes != 2).sum()),
             "pinched_vertices": int(pinched(surface, len(mesh.points)).sum()),

@@ -141,6 +141,13 @@ class Topology:
         return edges
 
     @cached_property
+    def pieces(self) -> Ints:
+        """(m,) a label per tet, equal where a path through facets within one region joins two tets, from 0."""
+        pairs = self.interior_pairs
+        same = pairs[self._regions[pairs[:, 0]] == self._regions[pairs[:, 2]]]
+        return components(same[:, 0], same[:, 2], len(self._tets))
+
+    @cached_property
     def components(self) -> Ints:
         """(m,) a label per tet, equal where a path through facets joins two tets; labels count from 0."""
         pairs = self.interior_pairs

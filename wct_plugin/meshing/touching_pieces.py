@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wct_plugin.mesh import TetMesh
-from wct_plugin.mesh.index_arrays import components
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Ints
 
@@ -35,21 +34,18 @@ class TouchingPieces:
 
 def set_apart(mesh: TetMesh) -> TouchingPieces | None:
     """The mesh with pieces that share an edge as regions of their own; None where there are no such pieces."""
-    regions = mesh.regions
-    inner = mesh.topology.interior_pairs
-    same = inner[regions[inner[:, 0]] == regions[inner[:, 2]]]
-    piece = components(same[:, 0], same[:, 2], len(mesh.tets))
+    topology, piece = mesh.topology, mesh.topology.pieces
     count = int(piece.max()) + 1
     of_piece = np.empty(count, dtype=np.int64)
-    of_piece[piece] = regions
+    of_piece[piece] = mesh.regions
     if len(np.unique(of_piece)) == count:
         return None
-    edge, owner = np.unique(np.column_stack([mesh.topology.tet_edges.ravel(), np.repeat(piece, 6)]), axis=0).T
+    edge, owner = np.divmod(np.unique(topology.tet_edges * count + piece[:, None]), count)
     follows = np.flatnonzero((edge[1:] == edge[:-1]) & (of_piece[owner[1:]] == of_piece[owner[:-1]]))
     touching = np.unique(np.concatenate([owner[follows], owner[follows + 1]]))
     if not len(touching):
         return None
     tag_of = of_piece.copy()
-    tag_of[touching] = int(regions.max()) + 1 + np.arange(len(touching))
+    tag_of[touching] = int(mesh.regions.max()) + 1 + np.arange(len(touching))
     tags, first = np.unique(tag_of, return_index=True)
     return TouchingPieces(replace(mesh, regions=tag_of[piece]), tags, of_piece[first])
