@@ -67,7 +67,14 @@ def _count_edges(mesh: TetMesh, bad: Bools, into: Counts) -> None:
     creases = np.unique(np.sort(strata.segments, axis=1) @ [count, 1])
     ends = np.sort(mesh.tets[:, EDGES], axis=2) @ np.array([count, 1])
     tet, k = np.nonzero(np.isin(ends, creases))
-    _count(ends[tet, k], mesh.regions[tet], np.degrees(_dihedrals(mesh, tet, k)), bad[tet], _EDGE_BINS, into)
+    _count(
+        ends[tet, k],
+        mesh.regions[tet],
+        quality.dihedral_angles(mesh.points, mesh.tets)[tet, k],
+        bad[tet],
+        _EDGE_BINS,
+        into,
+    )
 
 
 def _count_corners(mesh: TetMesh, bad: Bools, into: Counts) -> None:
@@ -82,20 +89,6 @@ def _count_corners(mesh: TetMesh, bad: Bools, into: Counts) -> None:
     dots = (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
     solid = 2.0 * np.arctan2(det, la * lb * lc + dots) / (4.0 * np.pi)  # Van Oosterom and Strackee 1983
     _count(apex, mesh.regions[tet], solid, bad[tet], _CORNER_BINS, into)
-
-
-def _dihedrals(mesh: TetMesh, tet: Ints, k: Ints) -> Floats:
-    """Of each tet at its k-th edge."""
-    ends = mesh.tets[tet[:, None], EDGES[k]]
-    others = mesh.tets[tet[:, None], EDGES[5 - k]]
-    p = mesh.points
-    along = p[ends[:, 1]] - p[ends[:, 0]]
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    u, v = (p[others[:, i]] - p[ends[:, 0]] for i in (0, 1))
-    u, v = (x - (x * along).sum(axis=1)[:, None] * along for x in (u, v))
-    cosine = (u * v).sum(axis=1) / (np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1))
-    angles: Floats = np.arccos(np.clip(cosine, -1.0, 1.0))
-    return angles
 
 
 def _count(place: Ints, region: Ints, angle: Floats, bad: Bools, bins: tuple[float, ...], into: Counts) -> None:

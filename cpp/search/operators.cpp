@@ -19,6 +19,12 @@ int corner_of(const Tet &tet, int v) {
     return i;
 }
 
+/// Of a tet with edge a-b the other two vertices, p and q, where (a, b, p, q) is positive.
+Edge opposite(const Tet &tet, int a, int b) {
+    const int *rest = kRest[corner_of(tet, a)][corner_of(tet, b)];
+    return {tet[rest[0]], tet[rest[1]]};
+}
+
 } // namespace
 
 void Operators::touch(int v) {
@@ -40,10 +46,9 @@ bool Operators::ring(int a, int b, Ring &ring) const {
             continue;
         if (count == 64)
             return false;
-        const Tet &tet = complex_.tet(t);
-        const int *rest = kRest[corner_of(tet, a)][corner_of(tet, b)];
-        from[count] = tet[rest[0]];
-        to[count] = tet[rest[1]];
+        const auto [p, q] = opposite(complex_.tet(t), a, b);
+        from[count] = p;
+        to[count] = q;
         tets[count++] = t;
     }
     if (count == 0)
@@ -89,11 +94,10 @@ bool Operators::fans(int a, int b, Ring &ring) const {
     for (int t : complex_.star(a)) {
         if (!complex_.has(t, b))
             continue;
-        const Tet &tet = complex_.tet(t);
-        const int *rest = kRest[corner_of(tet, a)][corner_of(tet, b)];
+        const Edge others = opposite(complex_.tet(t), a, b);
         ring.tets.push_back(t);
-        ring.opposite.push_back({tet[rest[0]], tet[rest[1]]});
-        ring.link.insert(ring.link.end(), {tet[rest[0]], tet[rest[1]]});
+        ring.opposite.push_back(others);
+        ring.link.insert(ring.link.end(), others.begin(), others.end());
     }
     std::sort(ring.link.begin(), ring.link.end());
     ring.link.erase(std::unique(ring.link.begin(), ring.link.end()), ring.link.end());

@@ -8,6 +8,7 @@ import gmsh
 import numpy as np
 
 from wct_plugin.io import read
+from wct_plugin.measure.opening_angles import wedge_angles
 from wct_plugin.mesh import TetMesh
 
 
@@ -89,34 +90,9 @@ def random_body(folder: Path, seed: int) -> TetMesh:
             mesh = meshed(folder, build, size)
         except Exception:  # gmsh gives no class of its own to what it cannot mesh; draw another
             continue
-        if len(np.unique(mesh.regions)) <= 12 and _sharpest(mesh) >= 25.0:
+        sharpest = wedge_angles(mesh, np.arange(len(mesh.tets))).min()
+        if len(np.unique(mesh.regions)) <= 12 and sharpest >= 25.0:
             return mesh
-
-
-def _sharpest(mesh: TetMesh) -> float:
-    """The smallest angle, in degrees, that a region fills at an edge where its surface bends by more than 25."""
-    topology = mesh.topology
-    half = np.concatenate(
-        [topology.boundary_half_facets, topology.interface_pairs[:, :2], topology.interface_pairs[:, 2:]]
-    )
-    least = 180.0
-    for tag in np.unique(mesh.regions):
-        triangles = topology.triangles_of(half[mesh.regions[half[:, 0]] == tag])
-        corners = mesh.points[triangles]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
-        edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        owner = np.repeat(np.arange(len(triangles)), 3)
-        order = np.lexsort(edges.T)
-        edges, owner = edges[order], owner[order]
-        same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
-        first, second = owner[same], owner[same + 1]
-        apex = triangles[second].sum(axis=1) - edges[same].sum(axis=1)
-        above = ((mesh.points[apex] - mesh.points[edges[same, 0]]) * normals[first]).sum(axis=1) > 1e-12
-        bend = np.degrees(np.arccos(np.clip((normals[first] * normals[second]).sum(axis=1), -1, 1)))
-        inner = np.where(above, 180.0 + bend, 180.0 - bend)
-        least = min(least, float(inner.min()))
-    return least
 
 
 def _mesh_of(folder: Path, model: Callable[[], None], size: float) -> TetMesh:
