@@ -219,7 +219,8 @@ def test_optimize_gives_what_is_asked_for_and_writes(tmp_path):
 
 
 def test_optimize_fills_a_surface_and_gives_tets_in_the_same_library():
-    grid = wct.optimize(pv.Sphere(theta_resolution=12, phi_resolution=12), goal="3wc", tolerance=2e-2)
+    # A rounder ball: with 12 by 12 its own edges bend by 30 degrees, close to the crease angle of 40.
+    grid = wct.optimize(pv.Sphere(theta_resolution=20, phi_resolution=20), goal="3wc", tolerance=2e-2)
     assert isinstance(grid, pv.UnstructuredGrid)
     assert wct.report(grid).flags["3wc"] == grid.n_cells > 100
 
