@@ -36,6 +36,7 @@ from wct_plugin.meshing import (
     conforming,
     curved,
     edge_length,
+    loose_cells,
     parts_work,
     planes,
     required_cells,
@@ -244,6 +245,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
 
     def _improve(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:
         unit_scaling.check(mesh)
+        mesh = loose_cells.without(mesh)
         boundary = required_cells.boundary_of(self.options.boundary, mesh)
         if boundary != self.options.boundary:
             return self._with(boundary=boundary).run(mesh, progress)

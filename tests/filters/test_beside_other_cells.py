@@ -140,3 +140,15 @@ def _with_twin(wedges, one, twin):
     row = int(np.flatnonzero((vertices == one).any(axis=1))[0])
     vertices[row][vertices[row] == one] = twin
     return Cells(vertices, wedges.tags)
+
+
+def test_tagged_facets_beside_other_cells_are_counted_once(layer):
+    """They are held as a set and keep the tag that they have themselves."""
+    boundary = layer.topology.boundary
+    contact = boundary[find_contact(boundary, layer.others, len(layer.points)).all]
+    tagged = replace(layer, facets=Cells(contact, np.full(len(contact), 5)), names=dict(layer.names) | {"mid": (5, 2)})
+    made, metrics = wct.apply_filter("meshing_well_centered", tagged)
+    assert metrics["losses"] == []
+    for name in ("mid", "beside other cells"):
+        assert metrics["groups"][name] == pytest.approx({"before": 1.0, "after": 1.0, "change": 0.0}, abs=1e-12)
+    assert len(made.facets) == len(contact) and set(made.facets.tags) == {5}

@@ -152,7 +152,7 @@ def locate(mesh: TetMesh, queries: Floats) -> tuple[Ints, Floats]:
 
 
 def _cells_by_label(tagged: Cells, cells: Ints, label: Ints, new_cells: Ints, new_label: Ints) -> Cells:
-    """Tag the new cells of every label that the old tagged cells cover."""
+    """Tag the new cells of every label that old tagged cells cover; a cell of two tags is there twice, as it was."""
     if not len(tagged):
         return tagged
     width = cells.shape[1]
@@ -160,18 +160,21 @@ def _cells_by_label(tagged: Cells, cells: Ints, label: Ints, new_cells: Ints, ne
     old_label = np.array([key.get(tuple(row), -1) for row in np.sort(tagged.vertices, axis=1).tolist()])
     rows: list[Ints] = []
     tags: list[Ints] = []
-    names = {name: set(old_label[members].tolist()) - {-1} for name, members in tagged.sets.items()}
+    names = {
+        name: set(zip(tagged.tags[members].tolist(), old_label[members].tolist(), strict=True))
+        for name, members in tagged.sets.items()
+    }
     sets: dict[str, list[Ints]] = {name: [] for name in names}
     count = 0
-    for tag in np.unique(tagged.tags):
-        for one in np.unique(old_label[tagged.tags == tag]):
+    for tag in np.unique(tagged.tags).tolist():
+        for one in np.unique(old_label[tagged.tags == tag]).tolist():
             if one < 0:
                 continue
             members = new_cells[new_label == one]
             rows.append(members)
             tags.append(np.full(len(members), tag, dtype=np.int64))
-            for name, labels in names.items():
-                if one in labels:
+            for name, pairs in names.items():
+                if (tag, one) in pairs:
                     sets[name].append(np.arange(count, count + len(members)))
             count += len(members)
     return Cells(
