@@ -151,4 +151,5 @@ def test_tagged_facets_beside_other_cells_are_counted_once(layer):
     assert metrics["losses"] == []
     for name in ("mid", "beside other cells"):
         assert metrics["groups"][name] == pytest.approx({"before": 1.0, "after": 1.0, "change": 0.0}, abs=1e-12)
-    assert len(made.facets) == len(contact) and set(made.facets.tags) == {5}
+    assert len(made.facets) == len(contact)
+    assert set(made.facets.tags) == {5}

@@ -38,9 +38,11 @@ def test_they_are_named_and_left_out_with_their_sets(cube):
     assert [str(one.message) for one in said] == [
         f"the mesh: no tet has triangle 3, vertices (0, {other}, {far}), nor line 0, vertices (0, {far}): not kept"
     ]
-    assert np.array_equal(kept.facets.vertices, facets[:3]) and kept.facets.tags.tolist() == [1, 2, 3]
+    assert np.array_equal(kept.facets.vertices, facets[:3])
+    assert kept.facets.tags.tolist() == [1, 2, 3]
     assert kept.facets.sets["odd"].tolist() == [2]
-    assert kept.edges.tags.tolist() == [5] and not len(kept.edges.sets["diagonal"])
+    assert kept.edges.tags.tolist() == [5]
+    assert not len(kept.edges.sets["diagonal"])
 
 
 def test_the_optimiser_says_so_and_counts_no_group_as_lost(cube):
@@ -48,4 +50,6 @@ def test_the_optimiser_says_so_and_counts_no_group_as_lost(cube):
     mesh = TetMesh(cube.points, cube.tets, edges=Cells([[0, far]], [4], sets={"diagonal": [0]}))
     with pytest.warns(WctWarning, match="line 0, vertices"):
         made, metrics = wct.apply_filter("meshing_well_centered", mesh)
-    assert metrics["losses"] == [] and metrics["pinned"]["edges"] == 0 and not len(made.edges)
+    assert metrics["losses"] == []
+    assert metrics["pinned"]["edges"] == 0
+    assert not len(made.edges)

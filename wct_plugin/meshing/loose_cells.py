@@ -24,9 +24,7 @@ def without(mesh: TetMesh) -> TetMesh:
         for name, word in (("facets", "triangle"), ("edges", "line"))
         if not on_tets[name].all()
     ]
-    warnings.warn(
-        f"{mesh.source or 'the mesh'}: no tet has {', nor '.join(said)}: not kept", WctWarning, stacklevel=5
-    )
+    warnings.warn(f"{mesh.source or 'the mesh'}: no tet has {', nor '.join(said)}: not kept", WctWarning, stacklevel=5)
     return replace(mesh, facets=kept["facets"], edges=kept["edges"])
 
 
