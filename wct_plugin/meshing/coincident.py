@@ -18,12 +18,13 @@ from wct_plugin.core import _core
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.measure.conserved import CHANGE
 from wct_plugin.mesh import Cells, TetMesh, unit_scaling
+from wct_plugin.mesh.coincident_points import places
 from wct_plugin.mesh.index_arrays import components, distinct_rows, find_rows
 from wct_plugin.mesh.topology import FACETS
 from wct_plugin.mesh.triangle_surfaces import areas, normals
 from wct_plugin.meshing.cut_cells import copied_edges, copied_nodes, copies, repeated, together
 from wct_plugin.meshing.transfer import locate
-from wct_plugin.types import Bools, Floats, Ints
+from wct_plugin.types import Bools, Ints
 
 Merge = Literal["auto", "none", "all"]
 
@@ -53,7 +54,7 @@ class _Group(NamedTuple):
 
 def merged(mesh: TetMesh) -> TetMesh:
     """All points that coincide exactly joined, each group with the data of its first."""
-    place = _places(mesh.points)
+    place = places(mesh.points)
     return mesh if place.max() + 1 == len(place) else _renumbered(mesh, place)
 
 
@@ -237,7 +238,7 @@ def zip_up(mesh: TetMesh, merge: Merge) -> Zipped | None:
 
     Raises :class:`OptionError` where more than half of the boundary is in pairs, unless ``merge`` says what to do.
     """
-    place = _places(mesh.points)
+    place = places(mesh.points)
     sizes = np.bincount(place)
     if len(sizes) == len(place):
         return None
@@ -263,19 +264,6 @@ def zip_up(mesh: TetMesh, merge: Merge) -> Zipped | None:
     if not len(pairs) and _bodies(mesh.tets, len(mesh.points)).max() == 0:
         return None
     return Zipped(mesh, pairs, joined)
-
-
-def _places(points: Floats) -> Ints:
-    """(n,) a number per point, equal where points coincide exactly, in the order of their first points."""
-    order = np.lexsort(points.T)
-    new = np.ones(len(points), dtype=bool)
-    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    first = order[new]  # of each place: lexsort is stable
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    place = np.empty(len(points), dtype=np.int64)
-    place[order] = rank[np.cumsum(new) - 1]
-    return place
 
 
 def _pairs(mesh: TetMesh, place: Ints) -> Ints:

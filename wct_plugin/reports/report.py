@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
 from wct_plugin.measure import duals, fidelity, pinned, planes, quality, released_creases, shape_floor
+from wct_plugin.measure.coincident import Coincident, count_coincident
+from wct_plugin.measure.coincident import describe as describe_coincident
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.joints import Joints, count_joints
 from wct_plugin.measure.joints import describe as describe_joints
@@ -75,6 +77,7 @@ class Report:
     boundary_facets: int
     components: int  #: parts that no facet joins
     joints: Joints  #: where the boundary meets itself
+    coincident: Coincident  #: points where others are
     repairs: Repairs
     volume: float
     ranges: Mapping[str, tuple[float, float]]  #: min and max of h/R, face_angle, dihedral_angle (degrees), R/l
@@ -103,6 +106,7 @@ class Report:
             "boundary_facets": self.boundary_facets,
             "components": self.components,
             "joints": self.joints,
+            "coincident": self.coincident,
             "other_cells": dict(self.other_cells),
             "repairs": vars(self.repairs),
             "volume": self.volume,
@@ -242,7 +246,7 @@ def make_report(
         np.bincount(places[mask], minlength=len(PLACES)) for mask in (slice(None), ~flags["3wc"], ~flags["cwc"])
     )
     found = found or {}
-    joints = count_joints(mesh)
+    joints, coincident = count_joints(mesh), count_coincident(mesh)
     return Report(
         source=mesh.source,
         points=len(mesh.points),
@@ -251,6 +255,7 @@ def make_report(
         boundary_facets=len(mesh.topology.boundary),
         components=int(mesh.topology.components.max()) + 1,
         joints=joints,
+        coincident=coincident,
         other_cells=mesh.others.volumes if mesh.others else {},
         repairs=mesh.repairs,
         volume=float(measured.volume.sum()),
@@ -272,12 +277,13 @@ def make_report(
         remaining=found.get("remaining"),
         shape=found.get("shape"),
         certificate=certificate.certify(mesh) if exact else None,
-        notes=_notes(found, joints),
+        notes=_notes(found, joints, coincident),
     )
 
 
-def _notes(found: Mapping[str, Any], joints: Joints) -> tuple[str, ...]:
+def _notes(found: Mapping[str, Any], joints: Joints, coincident: Coincident) -> tuple[str, ...]:
     lines = (
+        describe_coincident(coincident),
         describe_joints(joints),
         "the mesh meets the goal already; it stays as it is (--force makes it anew)" if found.get("kept") else "",
         shape_floor.describe(found["shape"]) if "shape" in found else "",
