@@ -8,11 +8,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORE := $(wildcard cpp/*/*.h cpp/*/*.cpp)
 
-# Headers and venv for Debian's own Python; for the tests, TetGen, a browser, and the X and GL libraries that the wheels of
+# Headers and venv for Debian's own Python; for the tests, TetGen, CalculiX, a browser, and the X and GL libraries that the wheels of
 # gmsh and pymeshlab load.
 DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exists(sysconfig.get_path("include")+"/Python.h") else "python3-dev")') \
              $(shell $(PYTHON) -c 'import ensurepip' 2>/dev/null || echo python3-venv)
-DEB_TEST := tetgen chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
+DEB_TEST := tetgen calculix-ccx chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 .PHONY: demo test bench lint docs clean
