@@ -125,16 +125,41 @@ def test_unknown_objects_are_told_what_goes(obj):
 
 def test_what_it_is_told_names_the_object():
     cases = [
-        (trimesh.Scene(), "a trimesh.Scene"),
+        (None, "None"),
+        (3, "an int"),
         ({}, "a dict"),
         (("a", "b"), "a tuple of 2"),
         (sys, "the module sys"),
+        (skfem.MeshTet, r"the class skfem\.MeshTet1"),
     ]
     for obj, name in cases:
         with pytest.raises(ObjectError, match=rf"^cannot make a mesh of {name}; allowed are the name of a mesh file; "):
             wct.as_mesh(obj)
-    with pytest.raises(ObjectError, match=r"a skfem\.MeshHex1;.*skfem\.MeshTet"):
-        wct.as_mesh(skfem.MeshHex())
+
+
+def test_what_makes_a_mesh_of_it_is_named_and_does():
+    """Each conversion that a message names, carried out."""
+    left = wct.to_pyvista(CUBE).extract_cells(range(24))
+    right = wct.to_pyvista(CUBE).extract_cells(range(24, 48))
+    blocks = pv.MultiBlock([left, right])
+    ball = trimesh.creation.icosphere(1)
+    cases = [
+        (skfem.MeshHex(), r"skfem\.MeshHex1; its to_meshtet\(\)", lambda one: one.to_meshtet()),
+        (blocks, r"pyvista\.MultiBlock; its combine\(merge_points=True\)", lambda one: one.combine(merge_points=True)),
+        (trimesh.Scene(ball), r"trimesh\.Scene; its to_mesh\(\)", lambda one: one.to_mesh()),
+        (CUBE.points, r"numpy\.ndarray; points alone .* \(points, tets\)", lambda points: (points, CUBE.tets)),
+        (vtk.vtkMultiBlockDataSet(), r"pyvista\.wrap\(it\)\.combine", lambda _: blocks.combine(merge_points=True)),
+    ]
+    for obj, line, conversion in cases:
+        with pytest.raises(ObjectError, match=line):
+            wct.as_mesh(obj)
+        assert len(wct.as_mesh(conversion(obj)).points) > 0
+    whole = wct.as_mesh(blocks.combine(merge_points=True))
+    assert quality.volumes(whole.points, whole.tets).sum() == pytest.approx(1.0, rel=1e-12)
+    assert len(whole.topology.boundary) == len(CUBE.topology.boundary)
+
+
+def test_another_library_s_mesh_is_not_written():
     with pytest.raises(ObjectError, match=r"part\.vtu: is given a Mesh; wct_plugin\.as_mesh"):
         wct.write("part.vtu", meshio.Mesh(CUBE.points, [("tetra", CUBE.tets)]))
 
@@ -149,6 +174,9 @@ def test_what_it_is_told_names_the_object():
         ((CUBE.points, CUBE.tets, np.full(48, 0.5)), "the region of cell 0 is 0.5; allowed are whole numbers"),
         ((CUBE.points, CUBE.tets, np.zeros(7, dtype=int)), r"tet tags have shape \(7,\); allowed is \(48,\)"),
         (meshio.Mesh(CUBE.points, [("line", [[0, 1]])]), r"meshio.Mesh: has neither tets nor triangles"),
+        (pv.PolyData(), "PolyData: has no cells"),
+        (pv.UnstructuredGrid(), "UnstructuredGrid: has no cells"),
+        ("", "the name of the mesh file is empty"),
         (skfem.MeshTet().with_subdomains({}), None),
     ],
 )
@@ -158,6 +186,34 @@ def test_what_makes_no_mesh(obj, message):
         return
     with pytest.raises(InputError, match=message):
         wct.as_mesh(obj)
+
+
+def test_regions_are_asked_for_by_name():
+    for wrong, name in ((3, "an int"), (np.zeros(48, dtype=int), r"a numpy\.ndarray"), ([1, 2], "a list of 2")):
+        for source in ((CUBE.points, CUBE.tets), "part.vtu"):
+            with pytest.raises(OptionError, match=rf"^regions is {name}; allowed are the name of an array"):
+                wct.as_mesh(source, regions=wrong)
+
+
+def test_regions_may_be_truth_values():
+    assert wct.as_mesh((CUBE.points, CUBE.tets, np.arange(48) < 20)).regions.tolist() == [1] * 20 + [0] * 28
+
+
+def test_a_report_refuses_a_number_of_tets_that_is_none():
+    for wrong in (-1, "many"):
+        with pytest.raises(OptionError, match="option 'worst' is"):
+            wct.report(CUBE, worst=wrong)
+
+
+def test_field_data_is_named():
+    """It is of the whole dataset, and no mesh of ours has a place for it."""
+    grid = wct.to_pyvista(two_region_cube(2))
+    grid.field_data["TimeValue"] = [3.5]
+    with pytest.warns(WctWarning, match=r"^UnstructuredGrid: not read: field data 'TimeValue'$"):
+        wct.as_mesh(grid)
+    mesh = meshio.Mesh(CUBE.points, {"tetra": CUBE.tets}, field_data={"a": np.array([1, 3]), "b": np.arange(3)})
+    with pytest.warns(WctWarning, match=r"^meshio.Mesh: not read: field data 'b'$"):
+        assert dict(wct.as_mesh(mesh).names) == {"a": (1, 3)}
 
 
 def test_no_library_is_imported_to_choose(tmp_path):

@@ -56,6 +56,19 @@ def of_gmsh() -> dict[str, float]:
     return found
 
 
+@pytest.mark.filterwarnings("ignore::wct_plugin.errors.WctWarning")
+def test_mid_nodes_come_again():
+    bar()
+    gmsh.model.mesh.setOrder(2)
+    before = of_gmsh()
+    wct.to_gmsh(wct.as_mesh(gmsh), "again")
+    assert gmsh.model.mesh.getElementTypes(3).tolist() == [11]  # tets of ten nodes
+    assert of_gmsh() == pytest.approx(before, rel=1e-12)
+    assert (
+        np.isclose(gmsh.model.mesh.getElementQualities(gmsh.model.mesh.getElements(3)[1][0], "minDetJac"), 0).sum() == 0
+    )
+
+
 def test_groups_names_and_sets():
     bar()
     mesh = wct.from_gmsh()

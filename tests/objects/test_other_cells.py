@@ -4,6 +4,7 @@ import pickle
 from copy import deepcopy
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 import pyvista as pv
@@ -35,6 +36,18 @@ def test_pyvista_has_their_volumes():
     thickness = np.ptp(mesh.others.points[:, 2])
     assert abs(sizes[len(mesh.tets) :].sum()) == pytest.approx(thickness, rel=1e-12)
     assert set(grid.celltypes.tolist()) == {pv.CellType.TETRA, pv.CellType.WEDGE}
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.int32])
+def test_the_array_of_the_regions_stays_on_all_cells(kind, recwarn):
+    """Of a tet and a wedge: both keep their material, in its own type, and nothing is said to be lost."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -1], [1, 0, -1], [0, 1, -1.0]])
+    cells = [("tetra", [[0, 1, 2, 3]]), ("wedge", [[4, 5, 6, 0, 1, 2]])]
+    given = meshio.Mesh(points, cells, cell_data={"material": [np.array([1], dtype=kind), np.array([2], dtype=kind)]})
+    made = converted(as_mesh(given), "meshio")
+    assert [column.tolist() for column in made.cell_data["material"]] == [[1], [2]]
+    assert {column.dtype for column in made.cell_data["material"]} == {np.dtype(kind)}
+    assert not [one for one in recwarn if "dropped" in str(one.message)]
 
 
 @pytest.mark.parametrize("library", ["pyvista", "meshio"])

@@ -1,8 +1,10 @@
 """``skfem.MeshTet``: subdomains and boundaries, there and back, and solved on."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from skfem import Basis, ElementTetP1, Functional, InteriorFacetBasis, MeshTet, MeshTet2
+from skfem import Basis, ElementTetP1, ElementTetP2, Functional, InteriorFacetBasis, MeshTet, MeshTet2
 from skfem.generic_utils import OrientedBoundary
 from support.builders import two_region_cube
 from support.comparing import assert_same
@@ -11,6 +13,8 @@ import wct_plugin as wct
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.measure import quality
 from wct_plugin.mesh import Cells, TetMesh
+
+DATA = Path(__file__).parents[1] / "data"
 
 
 def grid(n=2):
@@ -163,12 +167,43 @@ def test_what_it_cannot_carry_is_named(full: TetMesh):
     assert set(made.boundaries) == {"the wall", "8", "9", "inlet"}
 
 
-def test_corners_of_a_quadratic_mesh():
-    given = MeshTet2.from_mesh(grid()).with_subdomains({"all": lambda x: x[0] > -1})
-    with pytest.warns(WctWarning, match=r"skfem.MeshTet: not read: \d+ nodes on edges"):
+def test_a_quadratic_mesh_there_and_back():
+    given = MeshTet2.from_mesh(grid()).with_subdomains(cube().subdomains).with_boundaries(cube().boundaries)
+    with pytest.warns(WctWarning, match=r"skfem.MeshTet: the corners of 48 tetra10 cells are taken"):
         mesh = wct.as_mesh(given)
     assert quality.volumes(mesh.points, mesh.tets).sum() == pytest.approx(1.0, rel=1e-12)
     assert not mesh.repairs.orphan_points
+    made = wct.to_skfem(mesh)
+    assert type(made) is MeshTet2
+    for name in ("cold", "hot"):
+        elements = Basis(made, ElementTetP2(), elements=name)
+        assert one.assemble(elements) == pytest.approx(0.5, rel=1e-12)
+    for name, x in (("left", 0.0), ("right", 1.0), ("wall", 0.5)):
+        assert (made.p[0, made.facets[:, made.boundaries[name]]] == x).all()
+
+
+@pytest.mark.filterwarnings("ignore::wct_plugin.errors.WctWarning")
+def test_curved_tets_stay_curved():
+    """A ball, which has less between straight edges."""
+    given = MeshTet2.init_ball(1)
+    made = wct.to_skfem(wct.as_mesh(given))
+    whole = one.assemble(Basis(given, ElementTetP2()))
+    assert one.assemble(Basis(made, ElementTetP2())) == pytest.approx(whole, rel=1e-12)
+    assert one.assemble(Basis(MeshTet(made.p[:, : made.nvertices], made.t), ElementTetP1())) < 0.95 * whole
+
+
+def test_groups_without_a_member_are_named():
+    given = grid().with_subdomains({"none": np.empty(0, dtype=int), "all": np.arange(48)})
+    given = given.with_boundaries({"far": lambda x: x[0] > 5})
+    with pytest.warns(WctWarning, match="not read: subdomain 'none', which is empty, boundary 'far', which is empty"):
+        mesh = wct.as_mesh(given)
+    assert dict(mesh.names) == {"all": (1, 3)}
+
+
+@pytest.mark.filterwarnings("ignore:.*stay as they are:wct_plugin.errors.WctWarning")
+def test_cells_beside_tets_are_named():
+    with pytest.warns(WctWarning, match=r"skfem.MeshTet cannot carry, so dropped: .*\d+ wedge cells"):
+        wct.to_skfem(wct.read(DATA / "prismlayer.msh"))
 
 
 def test_regions_come_out_as_they_are():

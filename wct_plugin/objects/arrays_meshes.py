@@ -16,7 +16,7 @@ def from_arrays(arrays: Any) -> TetMesh | SurfaceMesh:
     Parameters
     ----------
     arrays : tuple or list
-        Points (n, 3); tets (m, 4) or triangles (k, 3); whole numbers, one a cell, or None.
+        Points (n, 3); tets (m, 4) or triangles (k, 3); whole numbers or truth values, one a cell, or None.
 
     Raises
     ------
@@ -53,8 +53,10 @@ def _array(given: Any) -> NDArray[Any] | None:
 
 
 def _whole(tags: NDArray[Any]) -> NDArray[Any]:
-    """Tags in one dimension, and as integers where they came as floats, which TetGen's do."""
+    """Tags in one dimension, and as integers where they came as floats, which TetGen's do, or as truth values."""
     flat = tags.ravel() if tags.ndim == 2 and 1 in tags.shape else tags
+    if flat.dtype.kind == "b":
+        return flat.astype(np.int64)
     if flat.dtype.kind == "f":
         bad = np.flatnonzero(~(np.isfinite(flat) & (flat == np.rint(flat))))
         if len(bad):

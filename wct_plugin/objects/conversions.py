@@ -10,7 +10,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-from wct_plugin.errors import ObjectError, OptionError
+from wct_plugin.errors import InputError, ObjectError, OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions, refuse_for_surface, warn_of_others, with_regions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -34,10 +34,17 @@ class Library:
         """Whether an object is one of its types, or the library itself where that has a current model."""
         if isinstance(obj, ModuleType):
             return "model" in self.types and obj.__name__ == self.package
-        kinds = obj.__mro__ if isinstance(obj, type) else type(obj).__mro__
         if isinstance(obj, type) and "model" not in self.types:
             return False
-        return any(kind.__module__.partition(".")[0] == self.package and kind.__name__ in self.types for kind in kinds)
+        return any(package == self.package and name in self.types for package, name in _kinds(obj))
+
+
+def _kinds(obj: Any) -> list[tuple[str, str]]:
+    """Package and name of an object's type and all that it is derived from; of a type itself, those of its own."""
+    return [
+        (kind.__module__.partition(".")[0], kind.__name__)
+        for kind in (obj if isinstance(obj, type) else type(obj)).__mro__
+    ]
 
 
 ARRAYS = Library("arrays", "", (), "(points, tets) or (points, tets, regions)")
@@ -52,6 +59,15 @@ LIBRARIES = (
     Library("trimesh", "trimesh", ("Trimesh",), "trimesh.Trimesh", fills=False),
     Library("dolfinx", "dolfinx", ("Mesh",), "dolfinx.mesh.Mesh or (mesh, cell_tags, facet_tags)", fills=False),
 )
+#: What makes one of these of other objects, by their package and type.
+CONVERSIONS = {
+    ("numpy", "ndarray"): "points alone are no mesh: (points, tets) is one",
+    ("pandas", "DataFrame"): "(points.to_numpy(), tets.to_numpy()) is one, of a frame of each",
+    ("pyvista", "MultiBlock"): "its combine(merge_points=True) is one grid, with points that blocks share",
+    ("vtkmodules", "vtkMultiBlockDataSet"): "pyvista.wrap(it).combine(merge_points=True) is one grid",
+    ("trimesh", "Scene"): "its to_mesh() is one trimesh.Trimesh",
+    ("skfem", "MeshHex1"): "its to_meshtet() is a skfem.MeshTet",
+}
 #: What :func:`converted` makes.
 TARGETS = ("arrays", "meshio", "pyvista", "skfem", "gmsh", "pymeshlab", "trimesh")
 
@@ -91,17 +107,33 @@ def as_mesh(obj: Any, *, regions: Regions = None) -> TetMesh | SurfaceMesh:
     OptionError
         If ``regions`` are not there, are no whole numbers, or overlap.
     """
+    if not (regions is None or isinstance(regions, str) or _are_names(regions)):
+        raise OptionError(
+            f"regions is {called(regions)}; allowed are the name of an array and names of sets"
+            " ((points, tets, regions) has them as numbers)"
+        )
     if isinstance(obj, str | os.PathLike):
+        if not os.fspath(obj):
+            raise InputError("the name of the mesh file is empty")
         return read(os.fspath(obj), regions=regions)
     if isinstance(obj, TetMesh | SurfaceMesh):
         return _with_regions(obj, regions)
     library = library_of(obj)
     if library is None:
-        raise ObjectError(f"cannot make a mesh of {called(obj)}; allowed are {taken()}")
+        how = (
+            ""
+            if isinstance(obj, type)
+            else next((CONVERSIONS[kind] for kind in _kinds(obj) if kind in CONVERSIONS), "")
+        )
+        raise ObjectError(f"cannot make a mesh of {called(obj)}; {how and f'{how}; '}allowed are {taken()}")
     mesh: TetMesh | SurfaceMesh = library.function("from")(obj)
     if regions is None and isinstance(mesh, TetMesh):
         warn_of_others(mesh, called(obj))
     return _with_regions(mesh, regions)
+
+
+def _are_names(regions: Any) -> bool:
+    return isinstance(regions, tuple | list) and all(isinstance(name, str) for name in regions)
 
 
 def _with_regions(mesh: TetMesh | SurfaceMesh, regions: Regions) -> TetMesh | SurfaceMesh:
@@ -135,9 +167,13 @@ def taken() -> str:
 
 def called(obj: Any) -> str:
     """What an object is, with its library, in words."""
+    if obj is None:
+        return "None"
     if isinstance(obj, ModuleType):
         return f"the module {obj.__name__}"
-    kind = type(obj)
-    package = kind.__module__.partition(".")[0]
-    name = kind.__name__ if package == "builtins" else f"{package}.{kind.__name__}"
-    return f"a {name} of {len(obj)}" if isinstance(obj, tuple | list) else f"a {name}"
+    package, kind = _kinds(obj)[0]
+    name = kind if package == "builtins" else f"{package}.{kind}"
+    if isinstance(obj, type):
+        return f"the class {name}"
+    article = "an" if name[0] in "aeiou" else "a"
+    return f"{article} {name} of {len(obj)}" if isinstance(obj, tuple | list) else f"{article} {name}"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wct_plugin.errors import InputError, ObjectError
-from wct_plugin.io import formats
+from wct_plugin.io import formats, mid_nodes
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import save
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
@@ -148,6 +148,8 @@ def to_gmsh(mesh: TetMesh | SurfaceMesh, name: str = "") -> str:
         number += 1
         free = f"{wanted} {number}"
     content, lost = contents(mesh, _FORM)
+    if isinstance(mesh, TetMesh) and mesh.second_order:
+        mid_nodes.put(content, mesh, _FORM)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "mesh.msh"
         lost += save(file, _FORM, mesh, content, MshOptions("4.1", True, None))

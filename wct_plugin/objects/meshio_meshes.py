@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from wct_plugin.io import beside_tets, formats, mid_nodes
 from wct_plugin.io.meshio_readers import raw_mesh
 from wct_plugin.io.meshio_writers import Content
+from wct_plugin.io.written_regions import shared_type
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.assembled import assembled, not_carried
 from wct_plugin.types import Ints
@@ -19,7 +20,10 @@ _PHYSICAL = "gmsh:physical"
 def from_meshio(mesh: Any) -> TetMesh | SurfaceMesh:
     """Make a mesh of a ``meshio.Mesh``, as :func:`wct_plugin.read` does of the file that meshio read it from."""
     gmsh = next(form for form in formats.FORMATS if form.name == "gmsh")
-    return assembled(raw_mesh(mesh), gmsh if _PHYSICAL in mesh.cell_data else formats.MESHIO, "meshio.Mesh")
+    lost = [f"field data {name!r}" for name, pair in mesh.field_data.items() if np.size(pair) != 2]
+    lost += ["info"] if mesh.info else []
+    form = gmsh if _PHYSICAL in mesh.cell_data else formats.MESHIO
+    return assembled(raw_mesh(mesh), form, "meshio.Mesh", lost=lost)
 
 
 def to_meshio(mesh: TetMesh | SurfaceMesh) -> Any:
@@ -34,9 +38,12 @@ def to_meshio(mesh: TetMesh | SurfaceMesh) -> Any:
     names: Mapping[str, tuple[int, int]] = mesh.names if isinstance(mesh, TetMesh) else {}
     if names or any(tags.any() for _, _, tags, _, _ in blocks):
         tag_name = mesh.tag_name if isinstance(mesh, TetMesh) else _PHYSICAL
-        if cell_data.pop(tag_name, None) is not None:
+        if any(tag_name in data and not np.array_equal(data[tag_name], tags) for _, _, tags, data, _ in blocks):
             lost.append(f"cell data {tag_name!r}, whose name is that of the tags")
-        cell_data[tag_name] = [np.array(tags) for _, _, tags, _, _ in blocks]
+        columns: list[NDArray[Any]] = [np.array(tags) for _, _, tags, _, _ in blocks]
+        if isinstance(mesh, TetMesh) and mesh.region_name == tag_name:
+            columns = shared_type(mesh, columns)
+        cell_data[tag_name] = columns
     sets = {
         name: [np.array(one[4].get(name, np.empty(0, dtype=np.int64))) for one in blocks]
         for name in dict.fromkeys(name for one in blocks for name in one[4])

@@ -46,6 +46,8 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     dataset = dataset if isinstance(dataset, pv.DataSet) else pv.wrap(dataset)
     grid = dataset if isinstance(dataset, pv.UnstructuredGrid) else dataset.cast_to_unstructured_grid()
     what = type(dataset).__name__
+    if not grid.n_cells:
+        raise InputError(f"{what}: has no cells")
     types, starts = np.array(grid.celltypes), np.asarray(pv.convert_array(grid.GetCells().GetOffsetsArray()))
     for code, kind in _ANY_NUMBER.items():
         types[(types == code) & (np.diff(starts) == _WIDTHS[kind])] = _TYPES[kind]
@@ -68,7 +70,8 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
         },
         field_data={name: np.asarray(values) for name, values in grid.field_data.items()},
     )
-    return assembled(raw, PYVISTA, what, _tags(grid))
+    lost = [f"field data {name!r}" for name in raw.field_data if not name.startswith(NAME)]
+    return assembled(raw, PYVISTA, what, _tags(grid), lost)
 
 
 def _tags(grid: pv.UnstructuredGrid) -> tuple[str, ...]:

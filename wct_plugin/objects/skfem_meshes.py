@@ -15,6 +15,7 @@ from wct_plugin.io.formats import MESHIO
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.mid_nodes import find_middles
 from wct_plugin.mesh.named_groups import names_of, regions_of
 from wct_plugin.objects.assembled import assembled, needs_tets, not_carried
 from wct_plugin.types import Ints
@@ -24,28 +25,28 @@ if TYPE_CHECKING:
 
 _ORIENTED = "oriented:"
 _WHAT = "skfem.MeshTet"
+#: Nodes of a tet of ``MeshTet2``; their order is that of ``tetra10``.
+_SECOND_ORDER = 10
 
 
 def from_skfem(mesh: "MeshTet") -> TetMesh | SurfaceMesh:
     """Make a mesh of a ``skfem.MeshTet``.
 
     Subdomains that share no tet become regions of these names. Where some do, all stay sets of tets, and there is a
-    region for each combination, so that the border of every one is kept. Nodes on edges of a mesh of higher order are
-    named in a warning.
+    region for each combination, so that the border of every one is kept. Of a ``skfem.MeshTet2`` the corners are taken
+    and the nodes on edges kept as curves. Groups that have no member are named in a warning.
     """
     tets = np.asarray(mesh.t, dtype=np.int64).T
     subdomains = {str(name): np.unique(ids) for name, ids in (mesh.subdomains or {}).items()}
     tags, names, sets = regions_of(subdomains, len(tets))
     facets, facet_sets, oriented = _facets(mesh, tets)
-    points = np.asarray(mesh.p, dtype=np.float64).T
-    count = int(tets.max(initial=-1)) + 1
-    lost = (
-        [f"{len(points) - count} nodes on edges"] if type(mesh).__name__ != "MeshTet1" and len(points) > count else []
-    )
+    nodes = np.asarray(mesh.dofs.element_dofs, dtype=np.int64).T
+    second = nodes.shape[1] == _SECOND_ORDER
+    lost = [f"{what} {name!r}, which is empty" for what, name in _empty(mesh)]
     nothing = np.zeros(len(facets), dtype=np.int64)
     raw = RawMesh(
-        points[:count] if lost else points,
-        [RawBlock("tetra", tets), RawBlock("triangle", facets)],
+        np.asarray(mesh.doflocs, dtype=np.float64).T,
+        [RawBlock("tetra10", nodes) if second else RawBlock("tetra", tets), RawBlock("triangle", facets)],
         cell_data={
             "gmsh:physical": [tags, nothing],
             **{_ORIENTED + name: [None, values] for name, values in oriented.items()},
@@ -57,6 +58,12 @@ def from_skfem(mesh: "MeshTet") -> TetMesh | SurfaceMesh:
         field_data={name: np.array([tag, 3]) for name, tag in names.items()},
     )
     return assembled(raw, MESHIO, _WHAT, ("gmsh:physical",), lost)
+
+
+def _empty(mesh: "MeshTet") -> list[tuple[str, str]]:
+    """What and how it is called, of groups without a member."""
+    groups = (("subdomain", mesh.subdomains), ("boundary", mesh.boundaries))
+    return [(what, str(name)) for what, found in groups for name, ids in (found or {}).items() if not np.size(ids)]
 
 
 def _facets(mesh: "MeshTet", tets: Ints) -> tuple[Ints, dict[str, Ints], dict[str, Ints]]:
@@ -83,7 +90,7 @@ def _facets(mesh: "MeshTet", tets: Ints) -> tuple[Ints, dict[str, Ints], dict[st
 
 
 def to_skfem(mesh: TetMesh | SurfaceMesh) -> "MeshTet":
-    """Make a ``skfem.MeshTet``; what it cannot carry, such as data, is named in a warning.
+    """Make a ``skfem.MeshTet``, or a ``MeshTet2`` of tets that had nodes on edges; what it cannot carry is named.
 
     Subdomains are the regions and the sets of tets, boundaries the groups of tagged facets: by their names, and those
     that have none by their tag.
@@ -101,9 +108,22 @@ def to_skfem(mesh: TetMesh | SurfaceMesh) -> "MeshTet":
     groups = names_of(mesh.facets.tags, mesh.names, 2, mesh.facets.sets)
     boundaries = {name: _boundary(made, mesh, name, members, row) for name, members in groups.items()}
     not_carried(_WHAT, _lost(mesh, row, groups))
+    if mesh.second_order:
+        made = _with_mid_nodes(made, mesh)
     if subdomains:
         made = made.with_subdomains({name: ids.astype(np.int32) for name, ids in subdomains.items()})
     return made.with_boundaries(boundaries) if boundaries else made
+
+
+def _with_mid_nodes(made: "MeshTet", mesh: TetMesh) -> "MeshTet":
+    """The ``MeshTet2`` with nodes on all edges, where the mesh has them."""
+    import skfem
+
+    straight = skfem.MeshTet2.from_mesh(made)
+    ends = np.sort(np.asarray(made.edges, dtype=np.int64).T, axis=1)
+    places = np.array(straight.doflocs)
+    places[:, made.nvertices :] = find_middles(mesh).points[find_rows(mesh.topology.edges, ends, made.nvertices)].T
+    return skfem.MeshTet2(places, straight.t)
 
 
 def _boundary(made: "MeshTet", mesh: TetMesh, name: str, members: Ints, row: Ints) -> Any:
@@ -127,6 +147,7 @@ def _lost(mesh: TetMesh, row: Ints, groups: Mapping[str, Ints]) -> list[str]:
     lost += [f"facet data {name!r}" for name in mesh.facets.data if not name.startswith(_ORIENTED)]
     lost += [f"set {name!r} of points" for name in mesh.point_sets]
     lost += [f"{len(one)} tagged {what}" for one, what in ((mesh.edges, "edges"), (mesh.nodes, "vertices")) if len(one)]
+    lost += [f"{len(cells)} {kind} cells" for kind, cells in (mesh.others.cells if mesh.others else {}).items()]
     loose = int((row < 0).sum())
     grouped = np.zeros(len(row), dtype=bool)
     for members in groups.values():

@@ -94,8 +94,9 @@ def report(source: Any, *, worst: int = 10, exact: bool = False) -> Report:
     Raises
     ------
     OptionError
-        For a surface.
+        For a surface, and a number of tets below zero.
     """
+    find_filter("get_quality")(worst=worst)  # which declares it
     mesh = conversions.as_mesh(source)
     check_kind("report", TetMesh, type(mesh))
     assert isinstance(mesh, TetMesh)

@@ -119,7 +119,7 @@ class SourceOptions(Options):
         value = _path(value)
         if isinstance(value, str) and value:
             return value
-        if value == "" or isinstance(value, bool | int | float | dict | None):  # as JSON may have it
+        if isinstance(value, str | bool | int | float | dict | None):  # as JSON may have it
             raise ValueError("must be the name of a mesh file")
         return as_mesh(value, regions=others.data.get("regions"))
 
