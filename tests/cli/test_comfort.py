@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 import pytest
 from support.builders import jittered_cube
+from support.refusals import refused
 
 import wct_plugin as wct
 from wct_plugin.cli import main, output
@@ -166,6 +167,34 @@ def test_who_reads_one_line_sees_no_error(place):
     shown = subprocess.run(f"'{WCT}' report cube.vtu | head -n 1", shell=True, capture_output=True, text=True)
     assert shown.stdout.count("\n") == 1
     assert shown.stderr == ""
+    code = subprocess.run(["bash", "-c", f"'{WCT}' report cube.vtu | head -n 1; exit ${{PIPESTATUS[0]}}"], check=False)
+    assert code.returncode == 2  # it was cut short, and says nothing of a goal
+
+
+def test_nothing_asked_for_is_answered_by_the_help(capsys):
+    assert main.run([]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "\nUsage" in f"\n{shown.err}"
+    assert all(f"\n  {name} " in shown.err for name in COMMANDS)
+
+
+def test_an_output_takes_the_place_of_no_input(place, capsys):
+    """But for a better mesh, which may."""
+    before = Path("cube.vtu").read_bytes()
+    cases = [
+        ("report", "cube.vtu", "--json", "./cube.vtu"),
+        ("report", "cube.vtu", "--html", "cube.vtu"),
+        ("optimize", "cube.vtu", "out.vtu", "--json", "cube.vtu"),
+        ("run", "dec-ready", "cube.vtu", "out.vtu", "--metadata", "cube.vtu"),
+        ("run", "dec-ready", "cube.vtu", "out.vtu", "--metadata", "out.vtu"),
+        ("report", "cube.vtu", "--json", "a.html", "--html", "a.html"),
+        ("filters", "--json", "-", "--markdown", "-"),
+    ]
+    for case in cases:
+        assert refused(capsys, *case) == f"{case[-1]!r} is given twice; an output needs a name of its own"
+    assert Path("cube.vtu").read_bytes() == before
+    assert main.run(["optimize", "cube.vtu", "cube.vtu", "-q"]) == 0
 
 
 # --- completion -----------------------------------------------------------------------------------------------------

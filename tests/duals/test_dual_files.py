@@ -53,6 +53,7 @@ def cells_of(grid):
     return np.array(found).T
 
 
+@pytest.mark.filterwarnings("ignore:.*60 tagged facets$:wct_plugin.errors.WctWarning")
 def test_vtk_reads_the_polyhedra(tmp_path):
     mesh = cube(
         point_data={"u": np.linspace(0, 1, 35), "v": np.ones((35, 3), np.float32), "yes": np.arange(35) % 2 == 0}
@@ -93,6 +94,24 @@ def test_two_materials_have_cells_of_their_own(tmp_path):
 def test_point_data_that_vtk_has_no_type_for_are_named(tmp_path):
     with pytest.warns(WctWarning, match=r"cells.vtu: not in it: point data 'words'"):
         wct.write_dual(tmp_path / "cells.vtu", cube(point_data={"words": np.array(["a"] * 35)}))
+
+
+def test_what_cells_have_no_place_for_is_named(tmp_path):
+    mesh = cube(cell_data={"heat": np.ones(84)}, tet_sets={"core": np.arange(5)}, point_sets={"fixed": np.arange(3)})
+    mesh = replace(
+        mesh, names={"steel": (0, 3)}, edges=Cells(mesh.topology.edges[:4]), nodes=Cells(np.array([[0], [1]]))
+    )
+    of_tets = "cell data 'heat', set 'core' of tets, set 'fixed' of points, 4 tagged edges, 2 tagged vertices"
+    with pytest.warns(WctWarning, match=rf"cells.vtu: not in it: {of_tets}, 60 tagged facets, name 'steel'$"):
+        wct.write_dual(tmp_path / "cells.vtu", mesh)
+    with pytest.warns(WctWarning, match=rf"case: not in it: .*, point data 'u', {of_tets}$"):
+        wct.write_dual(tmp_path / "case", replace(mesh, point_data={"u": np.ones(35)}))
+
+
+@pytest.mark.filterwarnings("ignore:.*(stay as they are|not positive):wct_plugin.errors.WctWarning")
+def test_cells_beside_the_tets_are_named(tmp_path):
+    with pytest.warns(WctWarning, match=r"dec.npz: not in it: 52 wedge cells$"):
+        wct.write_dual(tmp_path / "dec.npz", Path(__file__).parents[1] / "data/prismlayer.msh")
 
 
 # --- OpenFOAM --------------------------------------------------------------------------------------------------------
@@ -267,7 +286,7 @@ def test_tangled_cells_leave_nothing(name, tmp_path):
             "a.stl",
             None,
             OutputError,
-            r"unknown suffix '\.stl'; allowed are \.vtu \.npz, and none for OpenFOAM's folder",
+            r"unknown suffix '\.stl'; allowed are \.vtu \.npz, and none for a folder, of OpenFOAM",
         ),
         ("a", "vtu", OptionError, "format is 'vtu', and '.*a' does not end in .vtu"),
         ("a.npz", "vtu", OptionError, "format is 'vtu', and"),
@@ -298,6 +317,7 @@ def test_a_full_disk_leaves_nothing(small_disk: Path):
 # --- pipelines and the command line ----------------------------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings("ignore:.*60 tagged facets$:wct_plugin.errors.WctWarning")
 def test_in_a_pipeline(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     mesh = cube()

@@ -331,6 +331,8 @@ def test_files(place):
     refused(start | wct.Writer("none/x.html"), OutputError, "there is no directory none", place)
     refused(start | wct.Writer("x.doc"), OutputError, "unknown suffix '.doc'", place)
     refused(start | wct.Writer.report(filename="x.doc"), OutputError, "allowed are .html .json", place)
+    over = start | wct.Writer.dual(filename="./cube.vtu")
+    refused(over, OptionError, r"stage 3 of 3 .*: stage 1 of 3 \(readers.mesh\) reads ./cube.vtu", place)
     twice = start | wct.Writer("x.vtu") | wct.Writer("./x.vtu")
     refused(twice, OptionError, r"stage 4 of 4 .*: stage 3 of 4 \(writers.mesh\) writes ./x.vtu too", place)
     refused(start | Picky() | wct.Writer("x.vtu"), OptionError, r"^stage 3 of 4 \(filters.picky\): no such n", place)

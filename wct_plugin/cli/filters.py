@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from wct_plugin.cli.messages import GOAL_MET, out
-from wct_plugin.cli.output import check_outputs, print_page, table, write_text
+from wct_plugin.cli.output import check_apart, check_outputs, print_page, table, write_text
 from wct_plugin.errors import WctError
 from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.stage import FilterStage, Options, filter_names, find_filter
@@ -22,6 +22,7 @@ def _complete_filter(_context: click.Context, _param: click.Parameter, begun: st
 @click.option("--markdown", "markdown_path", metavar="FILE", help="Write the filters' pages as Markdown (- for stdout)")
 def filters(name: str | None, json_path: str | None, markdown_path: str | None) -> int:
     """List the filters, or print one filter's page: what it does, its options, their ranges and defaults."""
+    check_apart([], json_path, markdown_path)
     check_outputs(json_path, markdown_path)
     found: dict[str, type[FilterStage[Options]]] = {}
     broken: dict[str, str] = {}

@@ -34,14 +34,18 @@ def run(arguments: Sequence[str] | None = None) -> int:
                 warnings.simplefilter("always", WctWarning)
                 warnings.showwarning = show_warning
                 code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
+        except click.exceptions.NoArgsIsHelpError as error:
+            click.echo(error.format_message(), err=True)
+            return FAILED
         except click.ClickException as error:
             message = error.format_message()
         except InternalError as error:
             message = _crash(error)
         except WctError as error:
             message = str(error)
-        except BrokenPipeError:  # whoever read stdout has read enough, as head does
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        except SystemExit as error:  # click's own where whoever read stdout has read enough, as head does
+            if not isinstance(error.__context__, BrokenPipeError):
+                raise
             return FAILED
         except (KeyboardInterrupt, click.Abort):
             message = "interrupted" if written.names() else "interrupted; nothing was written"

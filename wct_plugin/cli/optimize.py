@@ -9,8 +9,9 @@ import click
 from rich.text import Text
 
 from wct_plugin.cli import filter_options, formats_of_streams
+from wct_plugin.cli.in_and_out import in_and_out
 from wct_plugin.cli.messages import GOAL_MET, err, out
-from wct_plugin.cli.output import print_before_after, write_text
+from wct_plugin.cli.output import check_apart, print_before_after, write_text
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import OptionError
@@ -39,8 +40,6 @@ _MESHER_PREFIX = "mesher_"
 
 
 @click.command()
-@click.argument("source", metavar="IN")
-@click.argument("target", metavar="OUT")
 @click.option(
     "--filter",
     "optimizer_name",
@@ -53,9 +52,7 @@ _MESHER_PREFIX = "mesher_"
 @filter_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
 @filter_options.order_option
 @filter_options.msh_options
-@filter_options.regions_option
-@filter_options.repair_option
-@formats_of_streams.input_format
+@in_and_out
 @formats_of_streams.output_format
 @time_limit_option
 @click.option("--json", "json_path", metavar="FILE", help="Write the reports before and after as JSON (- for stdout)")
@@ -90,6 +87,7 @@ def optimize(
     says what was missed. 2: an error or an interrupt, which says what was written before it, if anything.
     """
     formats_of_streams.leave_stdout(target, json_path)
+    check_apart([source], json_path, html_path)
     limit = CommandLimit(seconds)
     optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)

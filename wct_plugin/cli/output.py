@@ -1,6 +1,6 @@
 """What ``wct`` prints of reports, results and filters, as tables; and text files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from rich.text import Text
 from wct_plugin.certify import certificate
 from wct_plugin.cli.messages import out
 from wct_plugin.io import atomic_files
+from wct_plugin.io.standard_streams import STREAM
 from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.result import Result
@@ -29,6 +30,18 @@ def write_text(path: str, text: str) -> None:
         return
     with atomic_files.replacing(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def check_apart(sources: Iterable[str], *outputs: str | None) -> None:
+    """Refuse an output that would take the place of a source or of another output."""
+    taken = {Path(source).resolve() for source in sources if source != STREAM}
+    for path in outputs:
+        if path is None:
+            continue
+        where = Path(path) if path == STREAM else Path(path).resolve()
+        if where in taken:
+            raise click.UsageError(f"{path!r} is given twice; an output needs a name of its own")
+        taken.add(where)
 
 
 def check_outputs(*paths: str | None) -> None:

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from wct_plugin.cli import filter_options
 from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
-from wct_plugin.cli.output import check_outputs, print_report, print_side_by_side, table, write_text
+from wct_plugin.cli.output import check_apart, check_outputs, print_report, print_side_by_side, table, write_text
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
@@ -102,6 +102,7 @@ def report(
         raise click.UsageError("'-' is given twice; standard input is one file")
     if exact and goal == "one-sided":
         raise click.UsageError("--exact proves no dual area: --goal one-sided goes without it, delaunay or 3wc with it")
+    check_apart([*sources, *filter(None, [reference])], json_path, html_path)
     check_outputs(json_path, html_path)
     if html_path:
         html_report.check_available()

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.messages import GOAL_MET, err, out
-from wct_plugin.cli.output import check_outputs, print_result, write_text
+from wct_plugin.cli.output import check_apart, check_outputs, print_result, write_text
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import WctError
@@ -102,6 +102,7 @@ def run_pipeline(
         raise click.UsageError(f"{chain} reads no file of its own; give one: wct run {chain} IN [OUT...]")
     if not metadata_path and not any(isinstance(step.stage, Writer) for step in pipeline.steps):
         raise click.UsageError(f"nothing would be written; give an output: wct run {chain} IN OUT, or --metadata FILE")
+    check_apart(paths, metadata_path)
     check_outputs(metadata_path)
     with progress_bar() as progress:
         result = pipeline.execute(limit.beside(progress))

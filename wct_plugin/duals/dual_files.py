@@ -7,10 +7,11 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from wct_plugin.duals import openfoam, patches, polyhedra_vtu
+from wct_plugin.duals import left_out, openfoam, patches, polyhedra_vtu
 from wct_plugin.duals.dual_mesh import DualMesh, make_dual_mesh
 from wct_plugin.errors import OptionError, OutputError, WctWarning
 from wct_plugin.io import atomic_files
+from wct_plugin.io.standard_streams import STREAM
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.assembled import needs_tets
 from wct_plugin.objects.conversions import as_mesh
@@ -24,8 +25,11 @@ _FOLDERS = {"openfoam": openfoam.FOLDER, "matrix-market": Path()}
 def format_of(path: str | os.PathLike[str], wanted: str | None = None) -> DualFormat:
     """The format of a file or folder: that which is wanted, or which the suffix says; a folder is OpenFOAM's case.
 
-    Raises :class:`OptionError` for one that does not fit the name, and :class:`OutputError` for another suffix.
+    Raises :class:`OptionError` for one that does not fit the name, and :class:`OutputError` for another suffix and
+    for ``-``: standard output takes a mesh, no folder.
     """
+    if os.fspath(path) in ("", STREAM):
+        raise OutputError(f"{os.fspath(path)!r} is no name of a file or folder, which a dual needs")
     suffix = Path(path).suffix.lower()
     of_suffix = _SUFFIXES.get(suffix)
     if wanted is not None and wanted not in get_args(DualFormat):
@@ -40,7 +44,8 @@ def format_of(path: str | os.PathLike[str], wanted: str | None = None) -> DualFo
             return known
     if suffix and not Path(path).is_dir():
         allowed = " ".join(_SUFFIXES)
-        raise OutputError(f"{path}: unknown suffix {suffix!r}; allowed are {allowed}, and none for OpenFOAM's folder")
+        folders = "and none for a folder, of OpenFOAM or with format matrix-market"
+        raise OutputError(f"{path}: unknown suffix {suffix!r}; allowed are {allowed}, {folders}")
     return "openfoam"
 
 
@@ -72,7 +77,8 @@ def write_dual(path: str | os.PathLike[str], mesh: Any, *, format: DualFormat | 
     Warns
     -----
     WctWarning
-        For what of groups and data is not in the file, and for stars with entries that are not positive.
+        For what of groups and data is not in Voronoi cells, for cells beside the tets, which have no dual, and for
+        stars with entries that are not positive.
 
     Raises
     ------
@@ -83,14 +89,17 @@ def write_dual(path: str | os.PathLike[str], mesh: Any, *, format: DualFormat | 
     given: TetMesh | SurfaceMesh = as_mesh(mesh)
     tets = needs_tets(given, "the dual")
     check_dual_writable(path, form)
+    lost: list[str] = []
     if form in ("npz", "matrix-market"):
-        return _write_stars(path, tets, form)
-    dual = make_dual_mesh(tets)
-    lost = _write_polyhedra(path, tets, dual) if form == "vtu" else _write_case(path, tets, dual)
-    if lost:
+        said = _write_stars(path, tets, form)
+    else:
+        dual = make_dual_mesh(tets)
+        lost += _write_polyhedra(path, tets, dual) if form == "vtu" else _write_case(path, tets, dual)
+        faces = f"{len(dual.neighbour)} faces between them, {len(dual.facets)} on the boundary"
+        said = f"{len(dual.vertex)} cells, {faces}, volume {dual.volumes.sum():.9g}"
+    if lost := lost + left_out.cells_beside(tets):
         warnings.warn(f"{os.fspath(path)}: not in it: {', '.join(lost)}", WctWarning, stacklevel=2)
-    faces = f"{len(dual.neighbour)} faces between them, {len(dual.facets)} on the boundary"
-    return f"{len(dual.vertex)} cells, {faces}, volume {dual.volumes.sum():.9g}"
+    return said
 
 
 def _write_stars(path: str | os.PathLike[str], mesh: TetMesh, form: DualFormat) -> str:
@@ -114,7 +123,8 @@ def _write_polyhedra(path: str | os.PathLike[str], mesh: TetMesh, dual: DualMesh
     kept = {name: v for name, v in mesh.point_data.items() if name not in data and polyhedra_vtu.storable(v)}
     with atomic_files.replacing(os.fspath(path)) as temporary:
         polyhedra_vtu.write(temporary, dual, data | {name: values[dual.vertex] for name, values in kept.items()})
-    return [f"point data {name!r}" for name in mesh.point_data if name not in kept]
+    lost = [f"point data {name!r}" for name in mesh.point_data if name not in kept]
+    return lost + left_out.groups_and_data(mesh) + left_out.facets_and_names(mesh)
 
 
 def _write_case(path: str | os.PathLike[str], mesh: TetMesh, dual: DualMesh) -> list[str]:
@@ -130,4 +140,4 @@ def _write_case(path: str | os.PathLike[str], mesh: TetMesh, dual: DualMesh) -> 
             {names[name]: rows for name, rows in found.items()},
             {zone_names[name]: np.flatnonzero(dual.region == tag) for tag, name in zones.items()},
         )
-    return lost
+    return lost + [f"point data {name!r}" for name in mesh.point_data] + left_out.groups_and_data(mesh)

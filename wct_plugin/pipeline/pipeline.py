@@ -19,7 +19,7 @@ from wct_plugin.objects.conversions import called
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import Flow
 from wct_plugin.pipeline.graph import Step, find_stage, label, order, unnamed, upstream, wire
-from wct_plugin.pipeline.readers_writers import Reader, Writer, mesh_reader, writer_type
+from wct_plugin.pipeline.readers_writers import Reader, ReadMesh, WriteMesh, Writer, mesh_reader, writer_type
 from wct_plugin.pipeline.result import Result, StageResult, goal_of
 from wct_plugin.pipeline.stage import FilterStage, Kind, Options, Stage
 from wct_plugin.progress import ProgressCallback
@@ -193,15 +193,22 @@ def _named(steps: Sequence[Step], index: int) -> Iterator[None]:
 
 
 def _check_outputs(steps: Sequence[Step]) -> None:
+    """Refuse two outputs in one place, and reports and duals in that of an input; a better mesh may replace that."""
+    inputs = {
+        Path(step.stage.options.filename).resolve(): index
+        for index, step in enumerate(steps)
+        if isinstance(step.stage, ReadMesh) and isinstance(step.stage.options.filename, str)
+    }
     seen: dict[Path, int] = {}
     for index, step in enumerate(steps):
-        if isinstance(step.stage, Writer):
-            target = Path(step.stage.filename).resolve()
-            if target in seen:
-                raise OptionError(
-                    f"{label(steps, index)}: {label(steps, seen[target])} writes {step.stage.filename} too"
-                )
-            seen[target] = index
+        if not isinstance(step.stage, Writer):
+            continue
+        target = Path(step.stage.filename).resolve()
+        if target in seen:
+            raise OptionError(f"{label(steps, index)}: {label(steps, seen[target])} writes {step.stage.filename} too")
+        if target in inputs and not isinstance(step.stage, WriteMesh):
+            raise OptionError(f"{label(steps, index)}: {label(steps, inputs[target])} reads {step.stage.filename}")
+        seen[target] = index
 
 
 def _follow(steps: Sequence[Step], wires: Sequence[Sequence[int]], known: dict[int, frozenset[Kind]]) -> None:
