@@ -17,6 +17,7 @@ from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
+from wct_plugin.io.standard_streams import STREAM
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import side_by_side
@@ -92,14 +93,9 @@ def optimize(
     optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
     mesher = find_filter(_MESHER)(**mesher_options)
-    reports = [
-        WriteReport(filename=path, **({} if Path(path).suffix.lower() == f".{form}" else {"format": form}))
-        for path, form in ((json_path, "json"), (html_path, "html"))
-        if path not in (None, "-")
-    ]
     written = filter_options.given_msh(values) | ({} if output_format is None else {"format": output_format})
     written |= {"order": order} if order else {}
-    writers: list[Writer[FileOptions]] = [WriteMesh(filename=target, **written), *reports]
+    writers = [WriteMesh(filename=target, **written), *_report_writers(json=json_path, html=html_path)]
     for writer in writers:  # before the file is read, which may take long
         writer.validate()
         writer.check_takes(TetMesh)
@@ -130,6 +126,15 @@ def optimize(
         if not goal.met:
             console.print(Text(f"missed: {goal}"))
     return limit.exit_code(result, console)
+
+
+def _report_writers(**paths: str | None) -> list[WriteReport]:
+    """Writers of reports, by their format, to the files of those that are given; standard output is not theirs."""
+    return [
+        WriteReport(filename=path, **({} if Path(path).suffix.lower() == f".{form}" else {"format": form}))
+        for form, path in paths.items()
+        if path is not None and path != STREAM
+    ]
 
 
 def _optimizing(

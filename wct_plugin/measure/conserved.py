@@ -6,6 +6,7 @@ from typing import TypedDict
 import numpy as np
 
 from wct_plugin.measure.fidelity import interface_rows
+from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.mesh import Cells, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import masks
 from wct_plugin.mesh.triangle_surfaces import areas, bends
@@ -17,26 +18,12 @@ CHANGE = 0.005
 SHARPER = (1.02, 0.001)
 
 
-class Quantity(TypedDict):
-    """A volume, area or length before and after; ``change`` is a fraction of before."""
-
-    before: float
-    after: float
-    change: float
-
-
 class Sharp(TypedDict):
     """Length of boundary edges that bend more than the crease angle."""
 
     before: float
     after: float
     allowed: float
-
-
-def quantity(before: float, after: float) -> Quantity:
-    """How much of something there was and is."""
-    change = after / before - 1.0 if before else (0.0 if after == before else np.inf)
-    return {"before": before, "after": after, "change": float(change)}
 
 
 def group_names(mesh: TetMesh, cells: Cells) -> dict[str, Bools]:

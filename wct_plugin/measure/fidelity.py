@@ -7,16 +7,9 @@ import numpy as np
 
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
+from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.types import Ints
-
-
-class Volumes(TypedDict):
-    """A region on the surface that was followed, and after; ``change`` is a fraction of before."""
-
-    before: float
-    after: float
-    change: float
 
 
 class Fidelity(TypedDict):
@@ -24,7 +17,7 @@ class Fidelity(TypedDict):
 
     deviation: dict[str, float]  #: of the boundary from the reference
     interfaces: dict[str, dict[str, float] | None]  #: "1|2" -> of that interface from the old one; None: it is lost
-    volumes: dict[str, Volumes]  #: by region tag
+    volumes: dict[str, Quantity]  #: by region tag, before on the surface that was followed
 
 
 def measure_fidelity(
@@ -64,7 +57,7 @@ def beyond(found: Fidelity, allowed: float) -> dict[str, str]:
     return parts
 
 
-def describe(volumes: Mapping[str, Volumes], interfaces: Mapping[str, dict[str, float] | None]) -> str:
+def describe(volumes: Mapping[str, Quantity], interfaces: Mapping[str, dict[str, float] | None]) -> str:
     """One line about several regions for the report, empty for one region."""
     if len(volumes) == 1:
         return ""
@@ -94,11 +87,11 @@ def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
     return out
 
 
-def _volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Volumes]:
+def _volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Quantity]:
     of_old, of_new = (quality.volumes(mesh.points, mesh.tets) for mesh in (old, new))
-    out: dict[str, Volumes] = {}
+    out: dict[str, Quantity] = {}
     for tag in np.unique(old.regions):
         before = enclosed.get(str(tag), float(of_old[old.regions == tag].sum()))
         after = float(of_new[new.regions == tag].sum())
-        out[str(tag)] = {"before": before, "after": after, "change": after / before - 1.0}
+        out[str(tag)] = quantity(before, after)
     return out

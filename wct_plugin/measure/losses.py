@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from typing import TypedDict
 
-from wct_plugin.measure.conserved import CHANGE, Quantity, Sharp
-from wct_plugin.measure.fidelity import Fidelity, Volumes, beyond
+from wct_plugin.measure.conserved import CHANGE, Sharp
+from wct_plugin.measure.fidelity import Fidelity, beyond
+from wct_plugin.measure.quantities import Quantity
 from wct_plugin.measure.region_topology import RegionTopology, changes
 from wct_plugin.measure.released_creases import Released
 
@@ -80,7 +81,7 @@ def find_losses(
     return out
 
 
-def _changed(kind: str, name: str, size: Quantity | Volumes, what: str) -> Loss:
+def _changed(kind: str, name: str, size: Quantity, what: str) -> Loss:
     more = size["after"] > size["before"]
     allowed = size["before"] * (1.0 + CHANGE if more else 1.0 - CHANGE)
     text = f"{what} changed by {100.0 * size['change']:+.2f} %; allowed is {100.0 * CHANGE:g} %"

@@ -8,10 +8,11 @@ import numpy as np
 from wct_plugin.core import _core
 from wct_plugin.exact import predicates
 from wct_plugin.measure import quality
-from wct_plugin.measure.conserved import Quantity, group_names, quantity
+from wct_plugin.measure.conserved import group_names
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.fidelity import Fidelity, interface_rows
 from wct_plugin.measure.goals import misses
+from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.measure.second_order import CurvedCells, middles_as_read
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.mid_nodes import find_middles

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, TetMesh
-from wct_plugin.mesh.index_arrays import masks
+from wct_plugin.mesh.index_arrays import find_rows, masks
 from wct_plugin.mesh.strata import Strata
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats, Ints
@@ -156,8 +156,10 @@ def _cells_by_label(tagged: Cells, cells: Ints, label: Ints, new_cells: Ints, ne
     if not len(tagged):
         return tagged
     width = cells.shape[1]
-    key = {tuple(row): int(at) for row, at in zip(np.sort(cells, axis=1).tolist(), label.tolist(), strict=True)}
-    old_label = np.array([key.get(tuple(row), -1) for row in np.sort(tagged.vertices, axis=1).tolist()])
+    points = 1 + max(int(cells.max(initial=0)), int(tagged.vertices.max(initial=0)))
+    row = find_rows(np.sort(cells, axis=1), np.sort(tagged.vertices, axis=1), points)
+    old_label = np.full(len(tagged), -1, dtype=np.int64)
+    old_label[row >= 0] = label[row[row >= 0]]
     rows: list[Ints] = []
     tags: list[Ints] = []
     names = {

@@ -263,12 +263,7 @@ def make_report(
         flags={name: int(mask.sum()) for name, mask in flags.items()},
         tiers=duals.tiers(mesh, measured),
         negative_duals=count_negative_duals(mesh, duals.compute_duals(mesh)),
-        histograms={
-            "h/R": _counts("h/R", measured.min_height),
-            "face_angle": _counts("face_angle", measured.max_face_angle),
-            "dihedral_angle": _counts("dihedral_angle", quality.dihedral_angles(mesh.points, mesh.tets).ravel()),
-            "R/l": _counts("R/l", measured.radius_over_edge),
-        },
+        histograms=_histograms(mesh, measured),
         worst=_worst(mesh, measured, places, worst),
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},
         deviation=found.get("deviation") or _deviation(mesh),
@@ -279,6 +274,16 @@ def make_report(
         certificate=certificate.certify(mesh) if exact else None,
         notes=_notes(found, joints, coincident),
     )
+
+
+def _histograms(mesh: TetMesh, measured: quality.Quality) -> dict[str, NDArray[np.int64]]:
+    values = {
+        "h/R": measured.min_height,
+        "face_angle": measured.max_face_angle,
+        "dihedral_angle": quality.dihedral_angles(mesh.points, mesh.tets).ravel(),
+        "R/l": measured.radius_over_edge,
+    }
+    return {name: _counts(name, each) for name, each in values.items()}
 
 
 def _notes(found: Mapping[str, Any], joints: Joints, coincident: Coincident) -> tuple[str, ...]:
