@@ -80,7 +80,8 @@ class MeshingOptions(Options):
 
     goal: Literal["delaunay", "one-sided", "3wc", "cwc"] = Field(
         "cwc",
-        description="delaunay: no vertex inside a tet's sphere; one-sided: all signed duals positive too;"
+        description="delaunay: no vertex inside a tet's sphere, no region with a negative couple of its own;"
+        " one-sided: all signed duals of every region positive;"
         " 3wc: every tet contains its circumcenter; cwc: every triangle too",
     )
     boundary: Boundary = Field(

@@ -1,38 +1,47 @@
 #include "conform/conform.h"
 
 #include "conform/surface_probes.h"
+#include "delaunay/flat_tets.h"
 #include "geometry/circumspheres.h"
+#include "geometry/dihedral_angles.h"
 #include "geometry/euler_characteristic.h"
 #include "sampling/pinch_mending.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace wct::conform {
 
 namespace {
 
-constexpr double kApart = 0.1; // of new points that bring a surface back, in sizes
-constexpr double kOff = 0.4;   // width, in radii, of where a point may come for a circle's center: squares make squares
+constexpr double kApart = 0.1;     // of new points that bring a surface back, in sizes
+constexpr double kThinnest = 1e-3; // layer, in radii of a facet's circle
+constexpr double kRoom = 0.5;      // between a new point inside and the surface, in radii of the tet it comes into
+constexpr double kShift = 0.1;     // of a point that leaves a sliver's sphere, in sizes
+constexpr double kOff = 0.4; // width, in radii, of where a point may come for a circle's center: squares make squares
 
 /// One round: the complex of the points as they are, and what is wrong with it.
 class Round {
   public:
     Round(ConformingCloud &points, const domain::Reference &reference, const SurfaceProbes &probes,
-          const domain::RegionMap &map, const ConformOptions &options, Random &random, const Workers &workers)
+          const domain::RegionMap &map, const ConformOptions &options, double sharpest, Random &random,
+          const Workers &workers)
         : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map),
-          options_(options), random_(random) {
-        complex_ = sampling::labelled_delaunay(cloud_, map, workers);
+          options_(options), sharpest_(sharpest), random_(random) {
+        complex_ = sampling::labelled_delaunay(cloud_, reference, map, workers);
+        delaunay::remove_flat(complex_.all, complex_.region, cloud_.points, sharpest_);
+        several_ = *std::max_element(complex_.region.begin(), complex_.region.end()) > 0;
         spheres_.resize(complex_.all.tets.size());
         for (std::size_t t = 0; t < spheres_.size(); ++t) {
             const auto &[a, b, c, d] = complex_.all.tets[t];
             spheres_[t] =
                 geometry::circumsphere(cloud_.points[a], cloud_.points[b], cloud_.points[c], cloud_.points[d]);
         }
-        if (options.one_sided)
-            peel();
+        peel();
         flaws_ = sampling::mend_pinches(cloud_, reference, complex_, sampling::find_flaws(cloud_, complex_));
         std::erase_if(flaws_.pinched, [&](int v) { return cloud_.role[v] == Stratum::corner; });
     }
@@ -45,11 +54,12 @@ class Round {
         points_.begin_round();
         mend_creases();
         mend_surface();
-        if (options_.one_sided) {
-            mend_outer();
-            mend_edges();
+        mend_outer();
+        mend_edges();
+        if (options_.one_sided)
             mend_ties();
-        }
+        if (faults_.all() == 0)
+            mend_slivers();
         points_.remove(gone_);
         return faults_;
     }
@@ -60,8 +70,10 @@ class Round {
         const auto f = corners(complex_.facet(t, i));
         return dot(unit(normal_of(f)), f[0] - spheres_[t].center);
     }
-    std::array<Vec3, 3> corners(const std::array<int, 3> &f) const {
-        return {cloud_.points[f[0]], cloud_.points[f[1]], cloud_.points[f[2]]};
+    template <std::size_t n> std::array<Vec3, n> corners(const std::array<int, n> &cell) const {
+        std::array<Vec3, n> at;
+        std::transform(cell.begin(), cell.end(), at.begin(), [&](int v) { return cloud_.points[v]; });
+        return at;
     }
     /// What a tet's facet i adds to the dual area of its edge opposite corner v, in lengths of the edge.
     double share(int t, int i, int v) const {
@@ -71,33 +83,43 @@ class Round {
         return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * height(t, i);
     }
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
-    bool beyond(int t, int i) const { return height(t, i) <= options_.least * spheres_[t].radius; }
+    bool beyond(int t, int i) const { return height(t, i) <= least() * spheres_[t].radius; }
+    /// The shortest length that a dual may have: where the mesh is to be one-sided it is not zero.
+    double least() const { return options_.one_sided ? options_.least : -options_.tied; }
+    /// Must the circumcenter stay on this side of the facet? Where a region ends, but for a single Delaunay one.
+    bool outer(int t, int i) const {
+        return complex_.beyond(t, i) != complex_.region[t] && (options_.one_sided || several_);
+    }
 
-    /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface.
+    /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface. At an interface
+    /// they go to the region beyond.
     void peel() {
         std::vector<std::array<int, 2>> kept; // no crease may be lost
         for (const Segment &s : points_.segments())
             kept.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
         std::sort(kept.begin(), kept.end());
+        std::vector<char> flipped(spheres_.size(), 0);
         std::vector<int> queue;
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
             queue.push_back(t);
         for (std::size_t k = 0; k < queue.size(); ++k) {
             const int t = queue[k];
             const auto &tet = complex_.all.tets[t];
-            if (complex_.region[t] < 0 || std::any_of(tet.begin(), tet.end(), [&](int v) { return inside(v); }))
+            if (complex_.region[t] < 0 || flipped[t] ||
+                std::any_of(tet.begin(), tet.end(), [&](int v) { return inside(v); }))
                 continue;
             std::array<int, 2> open{};
             int count = 0;
             bool wrong = false;
             for (int i = 0; i < 4; ++i)
-                if (complex_.beyond(t, i) < 0) {
+                if (outer(t, i)) {
                     if (count < 2)
                         open[count] = i;
                     ++count;
                     wrong = wrong || beyond(t, i);
                 }
-            if (count != 2 || sampling::shared_patches(cloud_, reference_, tet).empty())
+            if (count != 2 || complex_.beyond(t, open[0]) != complex_.beyond(t, open[1]) ||
+                sampling::shared_patches(cloud_, reference_, tet).empty())
                 continue;
             std::array<int, 2> lost{}, made{tet[open[0]], tet[open[1]]};
             for (int i = 0, n = 0; i < 4; ++i)
@@ -112,7 +134,8 @@ class Round {
                 ridges_.push_back({t, foot});
                 continue;
             }
-            complex_.region[t] = -1;
+            complex_.region[t] = complex_.beyond(t, open[0]);
+            flipped[t] = 1;
             for (const int next : complex_.all.neighbours[t])
                 if (next >= 0)
                     queue.push_back(next);
@@ -219,7 +242,7 @@ class Round {
         }
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
             for (int i = 0; i < 4; ++i) {
-                if (complex_.region[t] < 0 || complex_.beyond(t, i) >= 0 || !beyond(t, i))
+                if (complex_.region[t] < 0 || !outer(t, i) || !beyond(t, i))
                     continue;
                 ++faults_.outer;
                 const auto f = complex_.facet(t, i);
@@ -231,18 +254,18 @@ class Round {
             }
     }
 
-    /// Where the two boundary facets at an edge are obtuse opposite it, the dual area may be negative although all
-    /// circumcenters are inside.
+    /// Where the two outer facets of a region at an edge are obtuse opposite it, the dual area that the region has
+    /// there may be negative although all circumcenters are inside.
     void mend_edges() {
         struct Share {
-            std::array<int, 2> edge;
+            std::array<int, 3> edge; // and the region
             double area;
-            std::array<int, 3> outer; // the boundary facet, if it is one
+            std::array<int, 3> outer; // the facet, if it is an outer one
         };
         std::vector<char> open(cloud_.count(), 0);
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
             for (int i = 0; i < 4; ++i)
-                if (complex_.region[t] >= 0 && complex_.beyond(t, i) < 0)
+                if (complex_.region[t] >= 0 && outer(t, i))
                     for (const int v : complex_.facet(t, i))
                         open[v] = 1;
         std::vector<Share> shares;
@@ -251,13 +274,13 @@ class Round {
                 if (complex_.region[t] < 0)
                     continue;
                 const auto f = complex_.facet(t, i);
-                const bool outer = complex_.beyond(t, i) < 0;
+                const bool is_outer = outer(t, i);
                 for (int k = 0; k < 3; ++k) {
                     const int a = f[(k + 1) % 3], b = f[(k + 2) % 3];
                     if (open[a] && open[b])
-                        shares.push_back({{std::min(a, b), std::max(a, b)},
+                        shares.push_back({{std::min(a, b), std::max(a, b), complex_.region[t]},
                                           share(t, i, f[k]),
-                                          outer ? std::array{f[k], a, b} : std::array{-1, a, b}});
+                                          is_outer ? std::array{f[k], a, b} : std::array{-1, a, b}});
                 }
             }
         std::stable_sort(shares.begin(), shares.end(), [](const Share &a, const Share &b) { return a.edge < b.edge; });
@@ -269,8 +292,8 @@ class Round {
                 if (shares[end].outer[0] >= 0)
                     outer.push_back(shares[end].outer);
             }
-            const auto &[a, b] = shares[k].edge;
-            if (outer.empty() || area > options_.least * norm(cloud_.points[a] - cloud_.points[b]))
+            const auto &[a, b, region] = shares[k].edge;
+            if (outer.empty() || area > least() * norm(cloud_.points[a] - cloud_.points[b]))
                 continue;
             ++faults_.edges;
             split_facet(*std::min_element(outer.begin(), outer.end(),
@@ -295,7 +318,23 @@ class Round {
         const Vec3 u = unit(at[1] - at[0]), v = cross(unit(normal_of(at)), u);
         ball.center += ball.radius * off * ((random_.uniform() - 0.5) * u + (random_.uniform() - 0.5) * v);
         const int patch = shared.size() == 1 ? shared[0] : nearest_of(shared, (1.0 / 3.0) * (at[0] + at[1] + at[2]));
-        points_.insert_on_patch(ball.center, patch, size_of(f), 0.4 * ball.radius);
+        const Vec3 on = reference_.nearest(ball.center, patch).point;
+        points_.insert_on_patch(on, patch, size_of(f), 0.4 * ball.radius);
+        if (!options_.one_sided)
+            mirror(on, unit(normal_of(at)), ball.radius, size_of(f));
+    }
+
+    /// Across a layer thinner than the sphere of a facet that was split comes a point over the new one: without it the
+    /// one would be in spheres of facets there, and a split there answered by one here. What is between the two layers
+    /// of facets then is on common spheres, so this is nothing where no dual may have length zero.
+    void mirror(const Vec3 &on, const Vec3 &normal, double radius, double size) {
+        for (const double side : {-1.0, 1.0}) {
+            int triangle = -1;
+            const double far = reference_.ray(on, side * normal, kThinnest * radius, triangle);
+            if (triangle >= 0 && far < radius)
+                points_.insert_on_patch(on + far * side * normal, reference_.data().patch[triangle], size,
+                                        0.4 * radius);
+        }
     }
 
     int nearest_of(const std::vector<int> &patches, const Vec3 &p) const {
@@ -313,7 +352,7 @@ class Round {
         for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
             for (int i = 0; i < 4; ++i) {
                 const int next = complex_.all.neighbours[t][i];
-                if (complex_.region[t] < 0 || next < t || complex_.region[next] < 0)
+                if (complex_.region[t] < 0 || next < t || outer(t, i))
                     continue;
                 const int back = static_cast<int>(
                     std::find(complex_.all.neighbours[next].begin(), complex_.all.neighbours[next].end(), t) -
@@ -326,6 +365,53 @@ class Round {
             }
     }
 
+    /// Put a point near the circumcenter of a tet, or near its centroid where the region is another one there.
+    void put_inside(int t) {
+        const double size = size_of(complex_.facet(t, 0));
+        Vec3 p = spheres_[t].center;
+        if (map_.region(p, -1) != complex_.region[t]) {
+            p = {};
+            for (const int v : complex_.all.tets[t])
+                p += 0.25 * cloud_.points[v];
+        }
+        points_.insert_inside(p + 0.1 * size * random_.uniform() * unit(random_.normal3()), complex_.region[t], size,
+                              0.4 * std::min(size, spheres_[t].radius));
+    }
+
+    /// Flat tets are no faults of a Delaunay mesh, but what is given has none: points inside are moved out of the
+    /// sphere of such a tet, and where all four are on the surface one more comes into it. In layers too thin for that
+    /// they stay: a point in the middle of a layer lies in the spheres of all facets round it.
+    void mend_slivers() {
+        std::vector<char> touched(gone_.size(), 0);
+        for (int t = 0; t < static_cast<int>(spheres_.size()); ++t) {
+            const auto &tet = complex_.all.tets[t];
+            if (complex_.region[t] < 0 || geometry::smallest_dihedral(corners(tet)) >= sharpest_)
+                continue;
+            std::vector<int> free;
+            std::copy_if(tet.begin(), tet.end(), std::back_inserter(free), [&](int v) { return inside(v); });
+            const bool in_plane = free.empty() && !sampling::shared_patches(cloud_, reference_, tet).empty();
+            if (free.empty() && !in_plane && !has_room(spheres_[t]))
+                continue;
+            ++faults_.slivers;
+            if (std::any_of(tet.begin(), tet.end(), [&](int v) { return touched[v]; }))
+                continue;
+            for (const int v : tet)
+                touched[v] = 1;
+            if (in_plane)
+                split_facet({tet[0], tet[1], tet[2]}, kOff);
+            else if (free.empty())
+                put_inside(t);
+            else {
+                const int v = free[random_.below(static_cast<int>(free.size()))];
+                points_.shift(v, kShift * cloud_.size[v] * random_.normal3());
+            }
+        }
+    }
+
+    bool has_room(const geometry::Sphere &ball) const {
+        return reference_.nearest(ball.center).distance > kRoom * ball.radius;
+    }
+
     void mend_tie(int t, int i, int other, std::vector<char> &moved) {
         constexpr double flat = 1e-6, step = 0.03;
         const auto f = complex_.facet(t, i);
@@ -335,7 +421,7 @@ class Round {
             const std::array<int, 4> four{apex, f[k], other, f[(k + 1) % 3]};
             if (std::any_of(four.begin(), four.end(), [&](int v) { return inside(v); }))
                 continue;
-            const auto at = corners({four[0], four[1], four[2]});
+            const auto at = corners(std::array{four[0], four[1], four[2]});
             const geometry::Sphere ball = geometry::circumsphere(at);
             const Vec3 &last = cloud_.points[four[3]];
             if (std::fabs(dot(unit(normal_of(at)), last - at[0])) > flat * ball.radius ||
@@ -354,14 +440,7 @@ class Round {
             if (inside(v))
                 free.push_back(v);
         if (free.empty()) {
-            Vec3 p = spheres_[t].center;
-            if (map_.region(p, -1) != complex_.region[t]) {
-                p = {};
-                for (const int v : complex_.all.tets[t])
-                    p += 0.25 * cloud_.points[v];
-            }
-            points_.insert_inside(p + 0.1 * size_of(f) * random_.uniform() * unit(random_.normal3()),
-                                  complex_.region[t], size_of(f), 0.4 * std::min(size_of(f), spheres_[t].radius));
+            put_inside(t);
             return;
         }
         const int v = free[random_.below(static_cast<int>(free.size()))];
@@ -376,8 +455,10 @@ class Round {
     const SurfaceProbes &probes_;
     const domain::RegionMap &map_;
     const ConformOptions &options_;
+    double sharpest_; // dihedral angle that a tet should have
     Random &random_;
     sampling::RestrictedDelaunay complex_;
+    bool several_ = false; // regions
     std::vector<geometry::Sphere> spheres_;
     std::vector<std::pair<int, domain::Foot>> ridges_; // slivers on a bend too sharp to take them off
     sampling::Flaws flaws_;
@@ -419,18 +500,24 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
     const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
     const SurfaceProbes probes(reference, given, options.held * options.tolerance);
     ConformingCloud points(reference, mesh, stratum, label, size);
+    double sharpest = std::numeric_limits<double>::infinity();
+    for (const auto &[a, b, c, d] : mesh.tets)
+        sharpest = std::min(
+            sharpest, geometry::smallest_dihedral({mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]}));
+    sharpest *= options.sharpest;
     Random random(options.seed);
     Conformed best;
     int since = 0;
     for (int round = 0;
          round < options.effort * options.rounds && since < options.effort * options.patience && !monitor.stopped();
          ++round) {
-        Round now(points, reference, probes, map, options, random, workers);
+        Round now(points, reference, probes, map, options, sharpest, random, workers);
         const ConformingCloud before = points;
         const Faults faults = now.mend();
         const bool intact = faults.unsound() == 0 &&
                             geometry::euler_characteristics(now.complex().all.tets, now.complex().region) == euler;
-        if (round == 0 || std::pair(!intact, faults.all()) < std::pair(!best.intact, best.faults.all())) {
+        if (round == 0 || std::tuple(!intact, faults.all(), faults.slivers) <
+                              std::tuple(!best.intact, best.faults.all(), best.faults.slivers)) {
             best = taken(before, now.complex(), reference);
             best.faults = faults;
             best.intact = intact;
@@ -441,7 +528,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
         best.rounds = round + 1;
         monitor.set_bad(static_cast<std::int64_t>(best.faults.outer + best.faults.edges + best.faults.ties));
         monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / (options.effort * options.rounds));
-        if (intact && faults.all() == 0)
+        if (intact && faults.all() == 0 && faults.slivers == 0)
             break;
     }
     best.stopped = monitor.stopped();

@@ -25,9 +25,11 @@ struct ConformOptions {
     int effort = 1; // multiplies the rounds
 
     static constexpr int rounds = 80;
-    static constexpr int patience = 20;   // rounds without progress
-    static constexpr double held = 0.6;   // distance of facets from the reference, in tolerances
-    static constexpr double least = 1e-6; // dual length, in circumradii
+    static constexpr int patience = 20;     // rounds without progress
+    static constexpr double held = 0.6;     // distance of facets from the reference, in tolerances
+    static constexpr double least = 1e-6;   // dual length, in circumradii
+    static constexpr double tied = 1e-10; // the same below zero, where it may be none
+    static constexpr double sharpest = 0.5; // dihedral angle of a tet, in those of the mesh that comes in
 };
 
 /// What keeps a complex from its goal, by the number of places.
@@ -38,6 +40,7 @@ struct Faults {
     std::size_t outer = 0;   // boundary facets whose tet has its circumcenter beyond them
     std::size_t edges = 0;   // edges of the boundary whose dual area is not positive
     std::size_t ties = 0;    // facets inside with a dual edge of no length
+    std::size_t slivers = 0; // tets with a dihedral angle much smaller than any that came in: no fault of the goal
     std::size_t unsound() const { return creases + surface + off; }
     std::size_t all() const { return unsound() + outer + edges + ties; }
 };

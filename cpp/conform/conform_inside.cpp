@@ -32,7 +32,8 @@ sampling::Cloud own_points(const refill::PinnedFacets &facets, const domain::Inp
     return cloud;
 }
 
-/// Ties and circumcenters beyond a surface facet, counted; points inside are moved, added or dropped against them.
+/// Ties and circumcenters beyond a facet where a region ends, counted; points inside are moved, added or dropped
+/// against them.
 class Untier {
   public:
     Untier(sampling::Cloud &cloud, const sampling::RestrictedDelaunay &complex, const domain::RegionMap &map,
@@ -52,7 +53,7 @@ class Untier {
                 const int next = complex_.all.neighbours[t][i];
                 if (complex_.region[t] < 0)
                     continue;
-                if (next < 0 || complex_.region[next] < 0) {
+                if (next < 0 || complex_.region[next] != complex_.region[t]) {
                     const int apex = complex_.all.tets[t][i];
                     if (height(t, i) > options_.least * spheres_[t].radius)
                         continue;

@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pytest
 from support.builders import ball, cylinder, jittered_cube, kuhn_cube, kuhn_grid, l_shape, rotation, two_region_cube
+from support.couples import couples
+from support.gmsh_bodies import ball_in_box, layered_box
 
 from wct_plugin import apply_filter
 from wct_plugin import write as write_mesh
@@ -201,3 +203,38 @@ def test_exit_codes_of_optimize_and_report(tmp_path, capsys):
     assert main.run(["report", given, "--goal", "delaunay"]) == 0
     assert main.run(["report", kept, "--goal", "delaunay", "--exact"]) == 0
     assert main.run(["report", kept, "--goal", "one-sided", "--exact"]) == 2
+
+
+@pytest.fixture(scope="module")
+def devices(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("devices")
+    return {
+        "layer": layered_box(folder, 0.15, 0.2),
+        "thin layer": layered_box(folder, 0.06, 0.2),
+        "ball in a box": ball_in_box(folder, 0.25),
+    }
+
+
+@pytest.mark.parametrize("goal", ["delaunay", "one-sided"])
+@pytest.mark.parametrize("name", ["layer", "thin layer", "ball in a box"])
+def test_each_region_has_couples_of_its_own_that_are_not_negative(devices, name, goal):
+    before = devices[name]
+    after, metrics = run(before, goal)
+    assert metrics["bad"] == 0
+    assert metrics["losses"] == []
+    assert min(couples(before).values()) < 0
+    areas = np.array(list(couples(after).values()))
+    longest = max(np.linalg.norm(np.ptp(after.points[cell], axis=0)) for cell in after.tets)
+    assert areas.min() > -1e-12 * longest**2
+    if goal == "one-sided":
+        assert areas.min() > 0
+    assert np.allclose(region_volumes(after), region_volumes(before), rtol=1e-12 if "layer" in name else 5e-3)
+
+
+def test_no_flat_tets_come_in(devices):
+    for name in ("layer", "ball in a box"):
+        least = [
+            quality.measure(mesh).min_dihedral_angle.min()
+            for mesh in (devices[name], run(devices[name], "delaunay")[0])
+        ]
+        assert least[1] >= 0.5 * least[0], name

@@ -37,6 +37,16 @@ def ball_in_box(folder: Path, size: float) -> TetMesh:
     return meshed(folder, build, size)
 
 
+def layered_box(folder: Path, thickness: float, size: float) -> TetMesh:
+    """A unit square .5 high with a layer on it."""
+
+    def build() -> None:
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 0.5)
+        gmsh.model.occ.addBox(0, 0, 0.5, 1, 1, thickness)
+
+    return meshed(folder, build, size)
+
+
 def embedded(folder: Path, build: Callable[[], list[tuple[int, int]]], size: float) -> TetMesh:
     """The unit cube with what ``build`` adds inside it, sheets or curves (dimension, tag): facets or edges tagged 2."""
 

@@ -22,7 +22,7 @@ from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import InputError
 from wct_plugin.measure import orthocenters, quality
 from wct_plugin.measure.quality import Quality
-from wct_plugin.mesh import TetMesh, unit_scaling
+from wct_plugin.mesh import TetMesh, region_parts, unit_scaling
 from wct_plugin.mesh.topology import OPPOSITE_EDGES
 from wct_plugin.types import Bools, Floats
 
@@ -58,7 +58,7 @@ class Tiers:
 
     valid: bool  #: no two tets overlap; where some do, what is below says nothing
     delaunay: bool  #: no vertex inside the circumsphere of a facet's two tets; cospherical ties count as Delaunay
-    one_sided: bool  #: every signed dual length strictly positive, also at the boundary; cospherical ties fail this
+    one_sided: bool  #: every signed dual length of each region by itself strictly positive; cospherical ties fail this
     well_centered_3: bool  #: every tet contains its circumcenter
     completely_well_centered: bool  #: and every triangle is acute
 
@@ -172,8 +172,9 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     cospherical points, for which the sum is exactly zero (a Cartesian grid, also one that was rotated and rounded),
     count as Delaunay. They have a dual edge of length zero and so are never one-sided.
 
-    One-sided: every dual length, the boundary's included, exceeds its rounding error; all duals inside are positive
-    then, see the top of this module. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the
+    One-sided: every dual length of every region by itself, those at its boundary included, exceeds its rounding error:
+    circumcenters are on their own side of interfaces. All duals inside a region are positive then, see the top of this
+    module. 3WC and CWC: every tet has the flag. 3WC makes all heights positive, hence the
     mesh one-sided, CWC all duals of it positive. :mod:`wct_plugin.measure.negative_duals` counts those that are not.
 
     Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
@@ -184,34 +185,53 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     valid = overlap(mesh) is None
     if well_centered_3:
         return Tiers(valid, True, True, True, completely)
-    lengths, errors = dual_lengths(mesh)
+    of_regions = region_parts.apart(mesh)
+    lengths, errors = dual_lengths(of_regions)
     if (lengths > errors).all():
         return Tiers(valid, True, True, False, False)
+    if of_regions is not mesh:
+        lengths, errors = dual_lengths(mesh)
     return Tiers(valid, not _encroached(mesh, lengths, errors).any(), False, False, False)
 
 
 def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
     """(m,) the tets that keep a mesh from being Delaunay, as :func:`tiers` has it, or from duals that are all positive.
 
-    The latter is more than one-sided at the boundary: dual areas and volumes count, too. They are those at a facet, an
-    edge or a vertex whose dual length, area or volume is not as it should be, beyond rounding.
+    The latter is more than one-sided at the boundary: dual areas and volumes count, too, those of each region by
+    itself. They are those at a facet, an edge or a vertex whose dual length, area or volume is not as it should be,
+    beyond rounding. Where a mesh has several regions, Delaunay asks of each that no dual length or area is negative,
+    ties left out: a solver's couplings across an edge add up region by region.
     """
-    pairs, topology = mesh.topology.interior_pairs, mesh.topology
     missing = np.zeros(len(mesh.tets), dtype=bool)
-    if not one_sided:
-        if not of.well_centered_3.all():
-            missing[pairs[_encroached(mesh, *dual_lengths(mesh))][:, ::2]] = True
-        return missing
     if of.completely_well_centered.all():
         return missing
-    dual = compute_duals(mesh)
+    parts = region_parts.apart(mesh)
+    if not one_sided:
+        if not of.well_centered_3.all():
+            pairs = mesh.topology.interior_pairs
+            missing[pairs[_encroached(mesh, *dual_lengths(mesh))][:, ::2]] = True
+        return missing if parts is mesh else missing | _negative(parts)
+    topology, dual = parts.topology, compute_duals(parts)
     at_facet, at_edge, at_vertex = (
         ~(dual.lengths > dual.errors),
         ~(dual.areas > dual.area_errors),
         ~(dual.volumes > dual.volume_errors),
     )
     missing |= at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
-    return missing | at_vertex[mesh.tets].any(axis=1)
+    return missing | at_vertex[parts.tets].any(axis=1)
+
+
+def _negative(mesh: TetMesh) -> Bools:
+    """(m,) the tets at facets and edges whose dual is shorter or smaller than nothing, ties left out."""
+    topology, dual = mesh.topology, compute_duals(mesh)
+    radii = quality.circumradii(mesh.points, mesh.tets)
+    radius = np.zeros(len(dual.lengths))
+    np.maximum.at(radius, topology.tet_facets, radii[:, None])
+    squares = np.square(np.diff(mesh.points[topology.edges], axis=1)).sum(axis=(1, 2))
+    at_facet = dual.lengths < -dual.errors - COSPHERICAL * radius
+    at_edge = dual.areas < -dual.area_errors - COSPHERICAL * squares
+    found: Bools = at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
+    return found
 
 
 def _encroached(mesh: TetMesh, lengths: Floats, errors: Floats) -> Bools:

@@ -1,0 +1,22 @@
+#include "geometry/dihedral_angles.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wct::geometry {
+
+double smallest_dihedral(const std::array<Vec3, 4> &tet) {
+    constexpr int outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+    std::array<Vec3, 4> normals;
+    for (int i = 0; i < 4; ++i) {
+        const auto &[a, b, c] = outward[i];
+        normals[i] = unit(cross(tet[b] - tet[a], tet[c] - tet[a]));
+    }
+    double sharpest = -1.0; // cosine
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < i; ++j)
+            sharpest = std::max(sharpest, -dot(normals[i], normals[j]));
+    return std::acos(std::min(sharpest, 1.0));
+}
+
+} // namespace wct::geometry
