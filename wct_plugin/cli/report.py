@@ -14,11 +14,10 @@ from wct_plugin.cli.output import check_apart, check_outputs, print_report, prin
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
-from wct_plugin.measure import planar
-from wct_plugin.measure.goals import DUAL
+from wct_plugin.measure import planar, quality
+from wct_plugin.measure.goals import DUAL, misses
 from wct_plugin.measure.planar import PlanarReport
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.reports import html_report, json_schema
 from wct_plugin.reports.report import Report, make_report
 
@@ -30,8 +29,10 @@ def _read(
     mesh = read(source, suffix=input_format, regions=regions, repair=repair)
     if isinstance(mesh, SurfaceMesh) and planar.is_planar(mesh):
         return mesh
-    find_filter("get_quality").check_takes(type(mesh))
-    assert isinstance(mesh, TetMesh)
+    if isinstance(mesh, SurfaceMesh):
+        raise OptionError(
+            f"{source}: report needs a tet mesh, here is a surface; 'wct optimize {source} OUT' fills it first"
+        )
     return mesh if reference is None else replace(mesh, reference=reference)
 
 
@@ -40,17 +41,15 @@ def _surface(source: str) -> SurfaceMesh:
     return mesh if isinstance(mesh, SurfaceMesh) else mesh.boundary_surface()
 
 
-def _meets(report: Report | PlanarReport, goal: str | None) -> bool:
+def _meets(mesh: TetMesh | SurfaceMesh, report: Report | PlanarReport, goal: str | None) -> bool:
     if isinstance(report, PlanarReport):
         return goal is None or report.acute == report.triangles
     if report.certificate:
         return report.certificate.valid if goal is None else report.certificate.meets(goal)
     if goal is not None and not report.tiers.valid:
         return False
-    if goal == "delaunay":
-        return report.tiers.delaunay
-    if goal == "one-sided":
-        return report.negative_duals.none
+    if goal in DUAL and isinstance(mesh, TetMesh):
+        return not misses(mesh, quality.measure(mesh), goal).any()
     return goal is None or report.flags[goal] == report.tets
 
 
@@ -68,7 +67,7 @@ def _meets(report: Report | PlanarReport, goal: str | None) -> bool:
 @click.option(
     "--goal",
     type=click.Choice(["delaunay", "one-sided", "3wc", "cwc"]),
-    help="Exit with 1 unless every FILE meets it; one-sided: all signed duals positive",
+    help="Exit with 1 unless every FILE meets it; one-sided: all signed duals of each region positive",
 )
 @click.option("--exact", is_flag=True, help="Prove it in exact arithmetic; exit with 1 where tets overlap or mismatch")
 @click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
@@ -121,7 +120,8 @@ def report(
         write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
     if json_path != "-":
         _print(reports)
-    return GOAL_MET if all(_meets(one, goal) for one in reports) else GOAL_MISSED
+    met = [_meets(mesh, one, goal) for mesh, one in zip(meshes, reports, strict=True)]
+    return GOAL_MET if all(met) else GOAL_MISSED
 
 
 def _check_planar(meshes: Sequence[TetMesh | SurfaceMesh], html_path: str | None, goal: str | None) -> None:
