@@ -7,6 +7,7 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.io.abaqus_blocks import Block
 from wct_plugin.io.abaqus_elements import Element, element_of
+from wct_plugin.io.text_lines import whole_number, whole_numbers
 from wct_plugin.types import Floats, Ints
 
 
@@ -75,9 +76,7 @@ class Scope:
             return
         if table.shape[1] < 2:
             raise InputError("has *NODE with a line of one number; expected a number and coordinates")
-        ids = table[:, 0].astype(np.int64)
-        if (ids != table[:, 0]).any():
-            raise InputError(f"has node {float(table[ids != table[:, 0]][0, 0])}; its number must be whole")
+        ids = whole_numbers(table[:, 0])
         points = np.zeros((len(table), 3))
         points[:, : min(table.shape[1], 4) - 1] = table[:, 1:4]  # normals may follow
         self.ids.append(ids)
@@ -98,7 +97,7 @@ class Scope:
         width = 1 + element.nodes
         table = block.table() if element.kind.startswith("line") else None
         if table is not None and table.shape[1] > width:  # a node for the direction of a beam is behind the others
-            flat = table[:, :width].astype(np.int64).ravel()
+            flat = whole_numbers(table[:, :width]).ravel()
         else:
             flat = block.integers()
         if len(flat) % width:
@@ -115,7 +114,7 @@ class Scope:
             found.elsets.append(block.parameters["ELSET"].lower())
             return
         if "GENERATE" in block.parameters:
-            ranges = [[int(value) for value in block.numbers(row)] for row in block.rows()]
+            ranges = [whole_numbers(np.array(block.numbers(row))).tolist() for row in block.rows()]
             bad = next((row for row in ranges if len(row) not in (2, 3) or (len(row) == 3 and row[2] < 1)), None)
             if bad:
                 raise InputError(f"has the line {bad} in set {name!r}; expected first, last and step")
@@ -126,7 +125,7 @@ class Scope:
             found.pieces.append(Members(instance, ids=block.integers()))
         except InputError:  # there are names among them
             words = [word.strip('"') for row in block.rows() for word in row if word]
-            ids = [int(word) for word in words if word.isdigit()]
+            ids = [whole_number(word, "member") for word in words if word.isdigit()]
             names = [word for word in words if not word.isdigit()]
             found.pieces.append(Members(instance, ids=np.array(ids, dtype=np.int64), names=names))
 
@@ -143,6 +142,6 @@ def _first_numbers(block: Block) -> list[int]:
         if line and not goes_on:
             word = line.split(b",")[0].strip()
             if word.isdigit():
-                found.append(int(word))
+                found.append(whole_number(word, "element"))
         goes_on = line.endswith(b",") if line else goes_on
     return found

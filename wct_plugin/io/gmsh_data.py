@@ -5,7 +5,10 @@ import re
 from wct_plugin.errors import InputError
 from wct_plugin.io.gmsh_file import Format, GmshFile, Section
 from wct_plugin.io.number_streams import NumberStream, TextNumbers
+from wct_plugin.io.text_lines import shown, whole_number
 
+#: So many texts, numbers or columns may be announced; gmsh has 9 at most.
+_MOST = 1000
 _LINE = re.compile(rb"[^\n]*\n")
 
 
@@ -16,8 +19,8 @@ def take(section: Section, form: Format, file: GmshFile) -> None:
     strings = [head.line() for _ in range(head.count())]
     for _ in range(head.count()):  # the time, among other real numbers
         head.line()
-    whole = [int(head.line()) for _ in range(head.count())]
-    if not strings or len(whole) < 3:
+    whole = [whole_number(head.line(), "the number") for _ in range(head.count())]
+    if not strings or len(whole) < 3 or not 0 < whole[1] <= _MOST:
         raise InputError("has no name, or no numbers of columns and rows")
     name = strings[0].strip().strip(b'"').decode("utf-8", "replace")
     columns, count = whole[1:3]
@@ -28,8 +31,7 @@ def take(section: Section, form: Format, file: GmshFile) -> None:
     else:
         stream = TextNumbers(data[head.at :], real=True)
     ids, values = stream.records(count, ("i4", 1), ("f8", columns))
-    if isinstance(stream, TextNumbers) and len(left := stream.rest):
-        raise InputError(f"announces {count} rows and has {len(left)} numbers more")
+    stream.check_end()
     into = file.point_data if section.name == "NodeData" else file.cell_data
     before = [one for one in into if one[0] == name]
     if before:
@@ -53,6 +55,6 @@ class _Head:
 
     def count(self) -> int:
         line = self.line()
-        if not line.isdigit() or int(line) > 1000:
-            raise InputError(f"has {line[:40].decode('utf-8', 'replace')!r} where a small number should be")
+        if not line.isdigit() or int(line) > _MOST:
+            raise InputError(f"has {shown(line)} where a small number should be")
         return int(line)

@@ -97,6 +97,8 @@ def _take(section: Section, form: Format, file: GmshFile) -> None:
                 _names(section.text, file)
             case "NodeData" | "ElementData":
                 gmsh_data.take(section, form, file)
+            case "Periodic" if form.version == "4.0" and not form.binary:
+                gmsh_v2.text_periodic(section, form, file)
             case name if form.major == 4 and name in gmsh_v4.READERS:
                 real = name != "Elements"
                 stream = section.numbers if form.binary else TextNumbers(section.text, real=real)

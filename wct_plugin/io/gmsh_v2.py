@@ -1,7 +1,8 @@
 """Sections of gmsh's files of versions 1 and 2.0 to 2.2: elements of all kinds one after the other."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,17 +11,15 @@ from wct_plugin.errors import InputError
 from wct_plugin.io.gmsh_file import Elements, Format, GmshFile, Section
 from wct_plugin.io.gmsh_kinds import kind_of
 from wct_plugin.io.number_streams import BinaryNumbers, TextNumbers
-from wct_plugin.io.text_lines import numbers
+from wct_plugin.io.record_runs import runs
+from wct_plugin.io.text_lines import numbers, whole_number
 from wct_plugin.types import Floats, Ints
-
-#: So many rows are looked at first to see how far all are alike, then twice as many again and again.
-_FIRST = 64
 
 
 def _nodes(section: Section, form: Format, file: GmshFile) -> None:
     count, stream = _counted(section, form, real=True)
     ids, points = stream.records(count, ("i4", 1), ("f8", 3))
-    _check_end(stream)
+    stream.check_end()
     file.put_nodes(ids[:, 0], points)
 
 
@@ -28,7 +27,8 @@ def _parametric_nodes(section: Section, form: Format, file: GmshFile) -> None:
     """Nodes with dimension and number of their entity, and then one or two parameters where it has that dimension."""
     count, stream = _counted(section, form, real=True)
     if isinstance(stream, TextNumbers):
-        rows = [part[:, :4] for part in _runs(stream.rest, [4], lambda row: 6 + _parameters(int(row[4])))]
+        parts = runs(stream.rest, 6, lambda row: (6 + _parameters(int(row[4])), [4]))
+        rows = [part[:, :4] for _, part in parts]
     else:
         rows = []
         for _ in range(count):
@@ -49,8 +49,8 @@ def _elements(section: Section, form: Format, file: GmshFile) -> None:
     count, stream = _counted(section, form, real=False)
     found = []
     if isinstance(stream, TextNumbers):
-        parts = _runs(stream.rest, [1, 2], lambda row: 3 + _tags(int(row[2])) + kind_of(int(row[1])).nodes)
-        found = [_of_rows(int(rows[0, 1]), rows[:, 0], rows[:, 3:], int(rows[0, 2]), file) for rows in parts]
+        parts = runs(stream.rest, 3, lambda row: (3 + _tags(int(row[2])) + kind_of(int(row[1])).nodes, [1, 2]))
+        found = [_of_rows(int(rows[0, 1]), rows[:, 0], rows[:, 3:], int(rows[0, 2]), file) for _, rows in parts]
     else:
         while sum(len(one.ids) for one in found) < count:
             number, many, tags = stream.whole("i4", 3)
@@ -79,8 +79,8 @@ def _elements_1(section: Section, form: Format, file: GmshFile) -> None:
     """As in version 1: number, type, group, entity, how many nodes, nodes."""
     count, stream = _counted(section, form, real=False)
     assert isinstance(stream, TextNumbers)
-    parts = _runs(stream.rest, [1, 4], lambda row: 5 + kind_of(int(row[1])).nodes)
-    found = [Elements(int(rows[0, 1]), rows[:, 0], rows[:, 5:], rows[:, 2], rows[:, 3]) for rows in parts]
+    parts = runs(stream.rest, 5, lambda row: (5 + kind_of(int(row[1])).nodes, [1, 4]))
+    found = [Elements(int(rows[0, 1]), rows[:, 0], rows[:, 5:], rows[:, 2], rows[:, 3]) for _, rows in parts]
     _put(found, count, file)
 
 
@@ -91,43 +91,23 @@ def _put(found: list[Elements], count: int, file: GmshFile) -> None:
     file.put_elements(found)
 
 
-def _runs(flat: Any, keys: list[int], width_of: Callable[[Any], int]) -> Iterator[Any]:
-    """Rows one after the other, of a width that some of their columns tell, as tables of rows alike in these."""
-    at = 0
-    while at < len(flat):
-        if at + max(keys) >= len(flat):
-            raise InputError("ends within an element")
-        width = width_of(flat[at:])
-        there = (len(flat) - at) // width
-        if not there:
-            raise InputError("ends within an element")
-        alike, looked = 0, _FIRST
-        while alike < there:
-            rows = flat[at + alike * width : at + min(alike + looked, there) * width].reshape(-1, width)
-            other = np.flatnonzero((rows[:, keys] != flat[at:][keys]).any(axis=1))
-            alike += int(other[0]) if len(other) else len(rows)
-            if len(other):
-                break
-            looked *= 2
-        yield flat[at : at + alike * width].reshape(alike, width)
-        at += alike * width
-
-
-def _periodic(section: Section, form: Format, file: GmshFile) -> None:
+def text_periodic(section: Section, form: Format, file: GmshFile) -> None:
     """Text in binary files too: dimension and two entities, perhaps a map, how many pairs of nodes, the pairs."""
-    lines = [line for line in section.text.splitlines() if line.strip()]
-    count, at = (int(lines[0]) if lines else 0), 1
-    for _ in range(count):
-        dimension, *tags = (int(word) for word in lines[at].split())
-        at += 1
-        affine: Floats | None = None
-        if lines[at].startswith(b"Affine"):
-            affine = numbers(lines[at].removeprefix(b"Affine"), np.float64)
-            at += 1
-        many = int(lines[at])
-        pairs = numbers(b"\n".join(lines[at + 1 : at + 1 + many]), np.int64).reshape(many, 2)
-        file.periodic.append((dimension, tuple(tags), affine, pairs))
-        at += 1 + many
+    lines = [line.strip() for line in section.text.splitlines() if line.strip()]
+    rest = iter(lines)
+    try:
+        for _ in range(whole_number(next(rest, b"0"), "the count")):
+            dimension, *tags = numbers(next(rest), np.int64).tolist()
+            line, affine = next(rest), None
+            if line.startswith(b"Affine"):
+                affine, line = numbers(line.removeprefix(b"Affine"), np.float64), next(rest)
+            many = whole_number(line, "the count of pairs")
+            pairs = numbers(b"\n".join(islice(rest, max(many, 0))), np.int64)
+            if many < 0 or len(pairs) != 2 * many:
+                raise InputError(f"announces {many} pairs of nodes and has {len(pairs)} numbers for them")
+            file.periodic.append((dimension, tuple(tags), affine, pairs.reshape(many, 2)))
+    except StopIteration:
+        raise InputError("ends within a pair of sides") from None
 
 
 def _counted(section: Section, form: Format, *, real: bool) -> tuple[int, TextNumbers | BinaryNumbers]:
@@ -144,16 +124,11 @@ def _counted(section: Section, form: Format, *, real: bool) -> tuple[int, TextNu
     return int(line), section.numbers
 
 
-def _check_end(stream: TextNumbers | BinaryNumbers) -> None:
-    if isinstance(stream, TextNumbers) and len(left := stream.rest):
-        raise InputError(f"has {len(left)} numbers more than it announces")
-
-
 READERS: dict[str, Callable[[Section, Format, GmshFile], Any]] = {
     "Nodes": _nodes,
     "ParametricNodes": _parametric_nodes,
     "Elements": _elements,
-    "Periodic": _periodic,
+    "Periodic": text_periodic,
     "NOD": _nodes,
     "ELM": _elements_1,
 }

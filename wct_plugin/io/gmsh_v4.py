@@ -8,7 +8,7 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.io.gmsh_file import Elements, Format, GmshFile
 from wct_plugin.io.gmsh_kinds import kind_of
-from wct_plugin.io.number_streams import NumberStream, TextNumbers
+from wct_plugin.io.number_streams import NumberStream
 
 INT, REAL = "i4", "f8"
 
@@ -18,7 +18,7 @@ def _entities(stream: NumberStream, form: Format, file: GmshFile) -> None:
         for _ in range(count):
             (tag,) = stream.whole(INT, 1)
             file.groups[dimension, tag] = _rest_of_entity(stream, form, dimension)
-    _check_end(stream)
+    stream.check_end()
 
 
 def _partitioned(stream: NumberStream, form: Format, file: GmshFile) -> None:
@@ -31,7 +31,7 @@ def _partitioned(stream: NumberStream, form: Format, file: GmshFile) -> None:
             stream.take(INT, partitions)
             _rest_of_entity(stream, form, dimension)
             file.parents[dimension, tag] = (parent[0], parent[1])
-    _check_end(stream)
+    stream.check_end()
     file.lost.append("partitions")
 
 
@@ -51,7 +51,10 @@ def _nodes(stream: NumberStream, form: Format, file: GmshFile) -> None:
     for _ in range(blocks):
         one, other, parametric = stream.whole(INT, 3)
         (count,) = stream.whole(form.size, 1)
-        width = 3 + ((one if newer else other) if parametric else 0)  # a number for each dimension of the entity
+        dimension = one if newer else other
+        if dimension not in (0, 1, 2, 3):
+            raise InputError(f"has nodes of an entity of dimension {dimension}; allowed are 0 to 3")
+        width = 3 + (dimension if parametric else 0)  # a number for each dimension of the entity
         if newer:
             ids.append(stream.take(form.size, count))
             points.append(stream.records(count, (REAL, width))[0][:, :3])
@@ -59,7 +62,7 @@ def _nodes(stream: NumberStream, form: Format, file: GmshFile) -> None:
             tags, places = stream.records(count, (INT, 1), (REAL, width))
             ids.append(tags[:, 0])
             points.append(places[:, :3])
-    _check_end(stream)
+    stream.check_end()
     found = np.concatenate(ids)
     if len(found) != total:
         raise InputError(f"announces {total} nodes and has {len(found)}")
@@ -87,7 +90,7 @@ def _elements(stream: NumberStream, form: Format, file: GmshFile) -> None:
         for group in groups:
             file.members.setdefault((dimension, group), []).append(rows[:, 0])
         file.shared.update((dimension, group) for group in groups[1:])
-    _check_end(stream)
+    stream.check_end()
     if read != total:
         raise InputError(f"announces {total} elements and has {read}")
     file.put_elements(found)
@@ -100,17 +103,12 @@ def _periodic(stream: NumberStream, form: Format, file: GmshFile) -> None:
         if form.version == "4.1":
             affine = stream.take(REAL, stream.whole(form.size, 1)[0])
             pairs = stream.records(stream.whole(form.size, 1)[0], (form.size, 2))[0]
-        else:  # a negative number says that a map comes before the number of pairs
+        else:  # in binary; a negative number says that a map comes before the number of pairs
             (many,) = stream.whole(form.size, 1)
             affine = stream.take(REAL, 16 if many < 0 else 0)
             pairs = stream.records(stream.whole(form.size, 1)[0] if many < 0 else many, (INT, 2))[0]
         file.periodic.append((dimension, tuple(tags), affine if len(affine) else None, pairs))
-    _check_end(stream)
-
-
-def _check_end(stream: NumberStream) -> None:
-    if isinstance(stream, TextNumbers) and len(left := stream.rest):
-        raise InputError(f"has {len(left)} numbers more than it announces")
+    stream.check_end()
 
 
 READERS: dict[str, Callable[[NumberStream, Format, GmshFile], Any]] = {

@@ -6,6 +6,7 @@ writers leave it out.
 
 import re
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from wct_plugin.errors import InputError
 from wct_plugin.io import medit_binary
 from wct_plugin.io.medit_sections import CELLS, SETS, CellSection, SetSection
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
-from wct_plugin.io.text_lines import Lines, numbers, shown
+from wct_plugin.io.text_lines import Lines, numbers, shown, whole_numbers
 from wct_plugin.types import Floats, Ints
 
 REFERENCES = "medit:ref"
@@ -85,7 +86,7 @@ def _text_sections(text: bytes) -> Read:
                 if not dimension:
                     raise InputError("has no 'Dimension' before its 'Vertices'")
                 rows = _rows(name, content, dimension + 1, np.float64)
-                found.put_vertices(rows[:, :-1], rows[:, -1].astype(np.int64))
+                found.put_vertices(rows[:, :-1], whole_numbers(rows[:, -1]))
             case low if low in _CELLS:
                 found.put(_CELLS[low], _rows(name, content, _CELLS[low].corners + 1, np.int64))
             case low if low in _SETS:
@@ -106,7 +107,7 @@ def _split(text: bytes) -> list[tuple[str, bytes]]:
     letters = (lines.first | 32) - np.uint8(97) < 26
     found: list[tuple[str, bytes]] = []
     keywords = [row for row in np.flatnonzero(letters).tolist() if _KEYWORD.match(lines.line(row).split()[0])]
-    for row, following in zip(keywords, [*keywords[1:], len(lines)], strict=True):
+    for row, following in pairwise([*keywords, len(lines)]):
         for word in lines.line(row).split():  # a line may have several, each with its number
             if _KEYWORD.match(word):
                 found.append((word.decode("ascii"), b""))

@@ -76,6 +76,8 @@ class Cards:
 
 def cards(lines: Lines, rows: Ints, wanted: re.Pattern[str]) -> Iterator[Cards]:
     """The cards whose names, in capitals, are wanted, from those lines that are no comments."""
+    if not len(rows):
+        return
     bytes_ = np.frombuffer(lines.text + bytes(_LAST), dtype=np.uint8)
     starts, words = lines.starts[rows], lines.words[rows]
     ends = _ends(bytes_, starts, lines.ends[rows])

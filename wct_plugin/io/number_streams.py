@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io.text_lines import numbers
-from wct_plugin.types import Ints
+from wct_plugin.io.text_lines import numbers, whole_numbers
 
 
 class NumberStream(ABC):
@@ -20,6 +19,10 @@ class NumberStream(ABC):
 
         Raises :class:`InputError` where so many are not left.
         """
+
+    @abstractmethod
+    def check_end(self) -> None:
+        """Raise :class:`InputError` where a text has numbers left; what is behind those in bytes has a name."""
 
     def take(self, kind: str, count: int) -> NDArray[Any]:
         """(count,) numbers of a type."""
@@ -42,13 +45,19 @@ class TextNumbers(NumberStream):
     def records(self, count: int, *columns: tuple[str, int]) -> list[NDArray[Any]]:  # noqa: D102
         width = sum(size for _, size in columns)
         left = len(self._values) - self._at
-        if count < 0 or count * width > left:
+        if count < 0 or width < 1 or count * width > left:
             raise InputError(f"announces {count} rows of {width} numbers, {count * width}; {left} are left")
         table = self._values[self._at : self._at + count * width].reshape(count, width)
         self._at += count * width
         ends = np.cumsum([size for _, size in columns])
         parts = np.split(table, ends[:-1], axis=1)
-        return [_whole(part) if kind[0] in "iu" else part for part, (kind, _) in zip(parts, columns, strict=True)]
+        return [
+            whole_numbers(part) if kind[0] in "iu" else part for part, (kind, _) in zip(parts, columns, strict=True)
+        ]
+
+    def check_end(self) -> None:  # noqa: D102
+        if len(left := self.rest):
+            raise InputError(f"has {len(left)} numbers more than it announces")
 
     @property
     def rest(self) -> NDArray[Any]:
@@ -75,9 +84,5 @@ class BinaryNumbers(NumberStream):
             table[str(k)].astype(np.int64 if kind[0] in "iu" else np.float64) for k, (kind, _) in enumerate(columns)
         ]
 
-
-def _whole(values: NDArray[Any]) -> Ints:
-    if values.dtype.kind == "f" and not (values == np.rint(values)).all():
-        bad = values[values != np.rint(values)][0]
-        raise InputError(f"has {float(bad)!r} where a whole number should be")
-    return values.astype(np.int64)
+    def check_end(self) -> None:  # noqa: D102
+        pass

@@ -10,26 +10,27 @@ from wct_plugin.errors import InputError
 
 
 def runs(
-    flat: NDArray[Any], layout: Callable[[NDArray[Any]], tuple[int, list[int]]]
+    flat: NDArray[Any], head: int, layout: Callable[[NDArray[Any]], tuple[int, list[int]]]
 ) -> Iterator[tuple[int, NDArray[Any]]]:
     """Tables of records one after the other, and where in ``flat`` each begins.
 
     ``layout`` tells of the record that an array begins with its length, and in which columns all records of this
-    length and layout have the same values. Raises :class:`InputError` where the last one is not whole.
+    length and layout have the same values; it needs ``head`` numbers for that. Raises :class:`InputError` where the
+    last one is not whole.
     """
     start = 0
     while start < len(flat):
-        size, heads = layout(flat[start:])
-        count = _alike(flat[start:], heads, size)
-        if size < 1 or not count:
+        size, heads = layout(flat[start:]) if len(flat) - start >= head else (0, [])
+        if not 0 < size <= len(flat) - start:
             raise InputError("ends within a cell")
+        count = _alike(flat[start:], heads, size)
         yield start, flat[start : start + count * size].reshape(count, size)
         start += count * size
 
 
 def _alike(flat: NDArray[Any], heads: list[int], size: int) -> int:
     """How many records from the beginning on are like the first: looked for in steps that grow."""
-    count, step, total = 0, 64, len(flat) // max(size, 1)
+    count, step, total = 0, 64, len(flat) // size
     while count < total:
         rows = flat[count * size : min(count + step, total) * size].reshape(-1, size)
         other = np.flatnonzero((rows[:, heads] != flat[heads]).any(axis=1))

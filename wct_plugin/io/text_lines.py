@@ -1,5 +1,6 @@
 """Lines of text and the numbers in them, found in bulk: NumPy and the core go over all bytes, Python over none."""
 
+import re
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -8,10 +9,11 @@ from numpy.typing import NDArray
 
 from wct_plugin.core import _core
 from wct_plugin.errors import InputError
-from wct_plugin.types import Bools, Ints
+from wct_plugin.types import Bools, Floats, Ints
 
 Number = TypeVar("Number", np.int64, np.float64)
 
+_WHOLE = re.compile(r"\s*[+-]?[0-9]{1,30}\s*")
 _BLANK = 32  #: bytes up to this one, which is that of the space, are blank
 
 
@@ -115,6 +117,23 @@ def _read(
         word = text[end : end + 200].split(None, 1)[0]
         raise InputError(f"has {shown(word)} where a {'' if kind is np.float64 else 'whole '}number should be")
     return values, widths, end
+
+
+def whole_numbers(values: Floats | Ints) -> Ints:
+    """Numbers that must be whole; :class:`InputError` names the first that is not, or has more than 64 bits."""
+    if values.dtype.kind == "f":
+        bad = np.flatnonzero(~((values == np.rint(values)) & (np.abs(values) < 2.0**63)))
+        if len(bad):
+            raise InputError(f"has {float(values.flat[bad[0]])!r} where a whole number should be")
+    return values.astype(np.int64)
+
+
+def whole_number(word: str | bytes, what: str) -> int:
+    """The whole number that a word is; :class:`InputError` says what should be one."""
+    text = decoded(word) if isinstance(word, bytes) else word
+    if not _WHOLE.fullmatch(text) or not -(2**63) <= int(text) < 2**63:
+        raise InputError(f"has {what} {shown(text.encode('utf-8', 'replace'))}; allowed is a whole number")
+    return int(text)
 
 
 def decoded(name: bytes) -> str:

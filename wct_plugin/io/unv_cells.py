@@ -57,12 +57,12 @@ def cells_of(lines: list[bytes], lost: list[str], *, old: bool) -> list[Cells]:
     head, kept = (8, (3, 5)) if old else (6, (2, 3))
 
     def layout(rest: NDArray[np.int64]) -> tuple[int, list[int]]:
-        if len(rest) < head or rest[head - 1] < 1:
-            raise InputError("ends within a cell, or has one without points")
+        if rest[head - 1] < 1:
+            raise InputError(f"has cell {rest[0]} without points")
         return head + 3 * (rest[1] in _BEAMS) + int(rest[head - 1]), [1, head - 1]
 
     parts: dict[tuple[int, int], list[NDArray[np.int64]]] = {}
-    for _, rows in runs(flat, layout):
+    for _, rows in runs(flat, head, layout):
         descriptor, count = int(rows[0, 1]), int(rows[0, head - 1])
         key = _dimension(descriptor), count
         if key not in _KINDS:

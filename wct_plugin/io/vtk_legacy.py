@@ -63,7 +63,7 @@ class _Reader:
             )
             return starts.astype(np.int64), points
         flat = self.source.numbers(size, "int")
-        tables = [table for _, table in runs(flat, lambda rest: (int(rest[0]) + 1, [0]))]
+        tables = [table for _, table in runs(flat, 1, lambda rest: (int(rest[0]) + 1, [0]))]
         sizes = np.concatenate(
             [np.empty(0, np.int64), *(np.repeat(table.shape[1] - 1, len(table)) for table in tables)]
         )

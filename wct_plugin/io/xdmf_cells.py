@@ -43,7 +43,7 @@ def table(name: str, values: NDArray[Any], per_cell: int) -> Table:
 
 def _mixed(flat: NDArray[np.int64]) -> Table:
     parts = []
-    for _, rows in runs(flat, _layout):
+    for _, rows in runs(flat, 2, _layout):
         vtk, wanted, _ = _TYPES[int(rows[0, 0])]
         parts.append(_rows(vtk, rows[:, 1 if wanted else 2 :]))
     if not parts:
@@ -61,8 +61,8 @@ def _layout(rest: NDArray[np.int64]) -> tuple[int, list[int]]:
     wanted = _TYPES[code][1]
     if wanted:
         return 1 + wanted, [0]
-    if len(rest) < 2 or rest[1] < 1:
-        raise InputError("ends within a cell")
+    if rest[1] < 1:
+        raise InputError(f"has a mixed cell of {rest[1]} points")
     return 2 + int(rest[1]), [0, 1]
 
 
