@@ -16,6 +16,7 @@ from wct_plugin.io.periodic_sides import is_periodic
 from wct_plugin.io.polygons import as_triangles
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.tet_meshes import Parts, assemble
+from wct_plugin.io.text_lines import whole_number
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, cell_kinds
 
 #: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
@@ -305,7 +306,7 @@ def _take_tag_sets(kinds: dict[str, _Kind], names: dict[str, tuple[int, int]], t
         for name in [name for name in kind.sets if name.startswith(prefix)]:
             if kind.tags is None:
                 kind.tags = np.zeros(len(kind.cells), dtype=np.int64)
-            kind.tags[kind.sets.pop(name)] = int(name.removeprefix(prefix))
+            kind.tags[kind.sets.pop(name)] = whole_number(name.removeprefix(prefix), f"the tag of set {name!r}")
         kind.sets = {name: ids for name, ids in kind.sets.items() if not name.startswith(TAG_SET)}
 
 
@@ -368,6 +369,6 @@ def _native(values: Any) -> NDArray[Any]:
 
 def _whole(values: NDArray[Any]) -> NDArray[Any]:
     """Floats that are whole numbers as integers; anything else as it is."""
-    if values.dtype.kind == "f" and np.isfinite(values).all() and (values == np.rint(values)).all():
+    if values.dtype.kind == "f" and (values == np.rint(values)).all() and (np.abs(values) < 2.0**63).all():
         return values.astype(np.int64)
     return values

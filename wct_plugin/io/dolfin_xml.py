@@ -10,6 +10,7 @@ from wct_plugin.errors import InputError
 from wct_plugin.io import safe_xml
 from wct_plugin.io.companions import folder_of
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
+from wct_plugin.io.text_lines import whole_number, whole_numbers
 
 #: By the type of cell: meshio's name, and the number of corners.
 _KINDS = {"tetrahedron": ("tetra", 4), "triangle": ("triangle", 3), "interval": ("line", 2)}
@@ -23,11 +24,11 @@ def read(path: Path, root: ET.Element) -> tuple[RawMesh, list[str]]:
     kind = "" if mesh is None else mesh.get("celltype", "")
     if mesh is None or kind not in _KINDS:
         raise InputError(f"has a mesh of {kind or 'no'} cells; allowed are {', '.join(_KINDS)}")
-    points = _table(mesh.find("vertices"), "vertex", ["x", "y", "z"], float)
+    points = _table(mesh.find("vertices"), "vertex", ["x", "y", "z"])
     points = points[:, ~np.isnan(points).all(axis=0)]
     name, width = _KINDS[kind]
-    cells = _table(mesh.find("cells"), kind, [f"v{k}" for k in range(width)], int).astype(np.int64)
-    raw = RawMesh(points, [RawBlock(name, cells)])
+    cells = _table(mesh.find("cells"), kind, [f"v{k}" for k in range(width)])
+    raw = RawMesh(points, [RawBlock(name, whole_numbers(cells))])
     lost: list[str] = []
     _put_tags(raw, mesh, "the mesh", lost)
     for file in sorted(folder_of(path).glob(f"{_escaped(path.stem)}_*_region.xml")):  # where dolfin-convert puts them
@@ -42,44 +43,52 @@ def _put_tags(raw: RawMesh, parent: ET.Element, where: str, lost: list[str]) -> 
     for function in (child for child in parent.iter() if child.tag in ("mesh_function", "meshfunction")):
         if function.find("mesh_value_collection") is not None:
             continue
-        if int(function.get("dim", "-1")) != raw.cells[0].data.shape[1] - 1:
+        if whole_number(function.get("dim", "-1"), "a dimension") != raw.cells[0].data.shape[1] - 1:
             lost.append(f"tags of dimension {function.get('dim')} in {where}, by numbers that only dolfin knows")
             continue
-        table = _table(function, "entity", ["value"], float)[:, 0]
+        table = _table(function, "entity", ["value"])[:, 0]
         if len(table) != len(raw.cells[0]):
             raise InputError(f"has {len(table)} tags in {where} for {len(raw.cells[0])} cells")
         table[table >= 2.0**63] = 0  # dolfin's largest number stands for none
-        _put_cell_tags(raw, np.arange(len(table)), table.astype(np.int64))
+        _put_cell_tags(raw, np.arange(len(table)), whole_numbers(table))
 
 
 def _escaped(name: str) -> str:
     return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)
 
 
-def _table(parent: ET.Element | None, tag: str, keys: list[str], convert: type) -> NDArray[np.float64]:
+def _table(parent: ET.Element | None, tag: str, keys: list[str]) -> NDArray[np.float64]:
     """One row per element, in the order of their indices; NaN for keys that none has."""
     rows = [] if parent is None else parent.findall(tag)
-    if parent is None or len(rows) != int(parent.get("size") or len(rows)):
+    if parent is None or len(rows) != whole_number(parent.get("size") or str(len(rows)), "the size"):
         raise InputError(
             f"has {len(rows)} {tag} elements but announces {'none' if parent is None else parent.get('size')}"
         )
-    index = np.array([int(row.get("index", "-1")) for row in rows], dtype=np.int64)
+    index = np.array([whole_number(row.get("index", "-1"), "an index") for row in rows], dtype=np.int64)
     if not np.array_equal(np.sort(index), np.arange(len(rows))):
         raise InputError(f"its {tag} elements are not numbered from 0 to {len(rows) - 1}")
     made = np.empty((len(rows), len(keys)))
-    made[index] = [[convert(row.get(key, "nan")) for key in keys] for row in rows]
+    made[index] = [[_real(row.get(key, "nan")) for key in keys] for row in rows]
     return made
+
+
+def _real(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"has {word[:40]!r} where a number should be") from None
 
 
 def _put_values(raw: RawMesh, collection: ET.Element, where: str, lost: list[str]) -> None:
     """Values by cell and number of its side; side k lies opposite the k-th corner, corners in ascending order."""
     cells = raw.cells[0].data
-    below = cells.shape[1] - 1 - int(collection.get("dim", "-1"))
+    below = cells.shape[1] - 1 - whole_number(collection.get("dim", "-1"), "a dimension")
     rows = collection.findall("value")
     values = np.array(
-        [[int(row.get(key, "-1")) for key in ("cell_index", "local_entity")] for row in rows], dtype=np.int64
+        [[whole_number(row.get(key, "-1"), key) for key in ("cell_index", "local_entity")] for row in rows],
+        dtype=np.int64,
     ).reshape(-1, 2)
-    tags = np.array([int(float(row.get("value", "0"))) for row in rows], dtype=np.int64)
+    tags = whole_numbers(np.array([_real(row.get("value", "0")) for row in rows]))
     inside = (values >= 0).all() and (values[:, 0] < len(cells)).all() and (values[:, 1] < cells.shape[1]).all()
     if not inside:
         raise InputError(f"has tags in {where} of cells or sides that are not there; there are {len(cells)} cells")

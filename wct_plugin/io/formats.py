@@ -30,7 +30,7 @@ class Format:
 
     name: str
     suffixes: tuple[str, ...]
-    module: str  #: meshio's module; empty where our own reader and writer serve
+    module: str  #: of meshio that writes it; empty where our own writer serves
     cells: tuple[str, ...]  #: kinds of cells it can carry
     tagged: tuple[str, ...] = ()  #: kinds of cells whose integer tags it can carry
     point_data: bool = False  #: arrays per point, and named point sets stored as arrays
@@ -38,7 +38,7 @@ class Format:
     sets: bool = False  #: named sets of its own
     names: bool = False  #: physical names
     surface: bool = True  #: whether triangles alone make a file
-    reader: str = ""  #: our own module that reads it; empty where meshio's does
+    reader: str = ""  #: the module that reads it; empty for what is no file
     writes: bool = True  #: whether we write it
     packed: tuple[str, ...] = ()  #: suffixes of all files of a format of several, that are packed each by itself
     beside: tuple[str, ...] = ()  #: and of files that stay as they are
@@ -77,7 +77,10 @@ FORMATS = (
     Format("Abaqus", (".inp",), "", _ALL[:3], sets=True, names=True, reader="abaqus"),
     Format("SU2", (".su2",), "", _ALL[:2], _ALL[1:2], names=True, surface=False, reader="su2"),
     Format(
-        *("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2]), surface=False, packed=(".ele", ".node", ".face")
+        *("TetGen", (".ele", ".node"), "tetgen", _ALL[:2], _ALL[:2]),
+        surface=False,
+        reader="tetgen",
+        packed=(".ele", ".node", ".face"),
     ),
     Format("PLY", (".ply",), "", _ALL[1:2], _ALL[1:2], point_data=True, cell_data=True, reader="ply"),
     Format("STL", (".stl",), "stl", _ALL[1:2], reader="stl"),

@@ -13,7 +13,7 @@ from wct_plugin.io.gmsh_kinds import kind_of
 from wct_plugin.io.number_streams import BinaryNumbers, TextNumbers
 from wct_plugin.io.record_runs import runs
 from wct_plugin.io.text_lines import numbers, whole_number
-from wct_plugin.types import Floats, Ints
+from wct_plugin.types import Ints
 
 
 def _nodes(section: Section, form: Format, file: GmshFile) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import med_families, med_fields
+from wct_plugin.io import hdf5, med_families, med_fields
 from wct_plugin.io.med_families import TAGS, Family
 from wct_plugin.io.node_orders import in_med
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
@@ -24,17 +24,15 @@ _POLYGONS, _POLYHEDRA = ("POG", "PG2"), "POE"
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
     """What the file holds, and what of it is left out. Raises :class:`InputError` without the file's name."""
-    import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
-
     lost: list[str] = []
     notes: list[str] = []
-    with h5py.File(path, "r") as file:
+    with hdf5.opened(path) as file:
         meshes = list(file.get("ENS_MAA", {}))
         if len(meshes) != 1:
             raise InputError(f"has {len(meshes)} meshes{': ' * bool(meshes)}{', '.join(meshes)}; allowed is one")
         mesh = file["ENS_MAA"][meshes[0]]
         step = _step(mesh, meshes[0], notes)
-        raw, names = _cells(step, int(mesh.attrs["ESP"]))
+        raw, names = _cells(step, hdf5.number(mesh, "ESP"))
         families = file.get(f"FAS/{meshes[0]}", mesh.get("FAS", {}))
         med_families.put_cells(raw, med_families.read(families.get("ELEME", {})))
         _point_groups(raw, step["NOE"], med_families.read(families.get("NOEUD", {})))
@@ -47,7 +45,7 @@ def _step(mesh: Any, name: str, notes: list[str]) -> Any:
     """The mesh at its last step; files of version 2 have none."""
     if "NOE" in mesh:
         return mesh
-    steps = sorted(key for key in mesh if "NOE" in mesh[key])
+    steps = sorted(key for key, member in hdf5.children(mesh) if "NOE" in member)
     if not steps:
         raise InputError(f"mesh {name!r} has no points; allowed are meshes that are no structured grids")
     if len(steps) > 1:
@@ -55,9 +53,9 @@ def _step(mesh: Any, name: str, notes: list[str]) -> Any:
     return mesh[steps[-1]]
 
 
-def _columns(data: Any, count: int) -> NDArray[Any]:
+def _columns(group: Any, name: str) -> NDArray[Any]:
     """One row per entity of what MED keeps component by component."""
-    array = np.asarray(data[()])
+    array, count = hdf5.array(group, name), hdf5.number(group[name], "NBR")
     if count <= 0 or array.size % count:
         raise InputError(f"has {array.size} numbers for {count} entities")
     return array.reshape(-1, count).T
@@ -65,19 +63,17 @@ def _columns(data: Any, count: int) -> NDArray[Any]:
 
 def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
     """Points and cells with their families, and MED's kind of each block."""
-    coordinates = step["NOE"]["COO"]
-    raw = RawMesh(_columns(coordinates, int(coordinates.attrs["NBR"]))[:, :dimension], [])
+    raw = RawMesh(_columns(step["NOE"], "COO")[:, :dimension], [])
     tags: list[NDArray[Any] | None] = []
     names: list[str] = []
-    for name, group in step.get("MAI", {}).items():
+    for name, group in hdf5.children(step.get("MAI", {})):
         if name == _POLYHEDRA or name in _POLYGONS:
             blocks = _open_cells(name, group)
         elif name in KINDS:
-            nodes = group["NOD"]
-            blocks = [(KINDS[name], _columns(nodes, int(nodes.attrs["NBR"])) - 1, slice(None))]
+            blocks = [(KINDS[name], _columns(group, "NOD") - 1, slice(None))]
         else:
             raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(KINDS)}")
-        family = group["FAM"][()] if "FAM" in group else None
+        family = hdf5.array(group, "FAM") if "FAM" in group else None
         for kind, cells, rows in blocks:
             raw.cells.append(RawBlock(kind, in_med(kind, cells.astype(np.int64))))
             tags.append(None if family is None else family[rows])
@@ -92,8 +88,10 @@ def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
 
 def _open_cells(name: str, group: Any) -> list[tuple[str, NDArray[Any], Any]]:
     """Polygons by their number of corners; polyhedra as what they are, with no more than a point each."""
-    index = np.asarray(group["INN" if name != _POLYHEDRA else "INF"][()]) - 1
-    nodes, sizes = np.asarray(group["NOD"][()]) - 1, np.diff(index)
+    index = hdf5.array(group, "INN" if name != _POLYHEDRA else "INF") - 1
+    nodes, sizes = hdf5.array(group, "NOD") - 1, np.diff(index)
+    if len(index) and (index[0] < 0 or index[-1] > len(nodes) or (sizes < 0).any()):
+        raise InputError(f"has cells of kind {name!r} that lie beyond the list of their {len(nodes)} nodes")
     if name == _POLYHEDRA:
         return [("polyhedron", nodes[:1].repeat(len(sizes))[:, None], slice(None))]
     made = []
@@ -106,7 +104,7 @@ def _open_cells(name: str, group: Any) -> list[tuple[str, NDArray[Any], Any]]:
 def _point_groups(raw: RawMesh, points: Any, families: dict[int, Family]) -> None:
     if "FAM" not in points:
         return
-    numbers = np.asarray(points["FAM"][()])
+    numbers = hdf5.array(points, "FAM")
     if not set(np.unique(numbers).tolist()) <= {0, *(number for number, one in families.items() if one.groups)}:
         raw.point_data["point_tags"] = numbers  # no group says it
     for name in dict.fromkeys(name for one in families.values() for name in one.groups):

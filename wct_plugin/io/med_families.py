@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from wct_plugin.io import hdf5
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.types import Ints
 
@@ -71,9 +72,9 @@ def fits(name: str) -> bool:
 def read(families: Any) -> dict[int, Family]:
     """The families of an HDF5 group, by number."""
     found = {}
-    for called, family in families.items():
-        number = int(family.attrs["NUM"])
-        groups = [_text(row) for row in family["GRO"]["NOM"][()]] if "GRO" in family else []
+    for called, family in hdf5.children(families):
+        number = hdf5.number(family, "NUM")
+        groups = [_text(row) for row in hdf5.array(family["GRO"], "NOM", "iuSV")] if "GRO" in family else []
         ours = _OURS.fullmatch(called)
         if not ours:
             found[number] = Family(number, number, "", tuple(filter(None, groups)))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import hdf5
 from wct_plugin.io.raw_mesh import RawMesh
 
 _WHOLE = "MED_NO_PROFILE_INTERNAL"
@@ -13,7 +14,7 @@ _WHOLE = "MED_NO_PROFILE_INTERNAL"
 
 def put(raw: RawMesh, kinds: list[str], file: Any, mesh: str, lost: list[str]) -> None:
     """Give the mesh its fields as arrays; ``kinds`` are MED's names of its blocks, ``lost`` grows by other fields."""
-    for name, group in file.get("CHA", {}).items():
+    for name, group in hdf5.children(file.get("CHA", {})):
         of = group.attrs.get("MAI", mesh)
         if (of if isinstance(of, str) else bytes(of).decode("utf-8", "replace")).strip("\0 ") != mesh:
             lost.append(f"field {name!r}, which is of another mesh")
@@ -23,10 +24,10 @@ def put(raw: RawMesh, kinds: list[str], file: Any, mesh: str, lost: list[str]) -
 
 def _put_steps(raw: RawMesh, kinds: list[str], name: str, group: Any, profiles: Any, lost: list[str]) -> None:
     """All steps of a field: under its name where there is one, else with number and time."""
-    steps = sorted(group)
-    for k, key in enumerate(steps):
-        title = name if len(steps) == 1 else f"{name}[{k}] - {float(group[key].attrs['PDT']):g}"
-        for support, data in group[key].items():
+    steps = sorted(hdf5.children(group))
+    for k, (_, step) in enumerate(steps):
+        title = name if len(steps) == 1 else f"{name}[{k}] - {float(step.attrs['PDT']):g}"
+        for support, data in hdf5.children(step):
             where, _, kind = support.partition(".")
             if where == "NOE" and not kind:
                 raw.point_data[title] = _values(data, len(raw.points), profiles)
@@ -41,14 +42,17 @@ def _put_steps(raw: RawMesh, kinds: list[str], name: str, group: Any, profiles: 
 def _values(data: Any, count: int, profiles: Any) -> NDArray[Any]:
     """A value per entity, NaN where no profile has the entity; several per entity at Gauss points or corners."""
     made: NDArray[Any] | None = None
-    for name, part in data.items():
-        points = int(part.attrs["NGA"]) if "NGA" in part.attrs else 1
-        values = np.asarray(part["CO"][()])
-        rows = slice(None) if name == _WHOLE else np.asarray(profiles[name]["PFL"][()]) - 1
-        entities = count if name == _WHOLE else len(rows)  # type: ignore[arg-type]
-        if values.size % (entities * points or 1):
-            raise InputError(f"has a field of {values.size} values for {entities} entities")
-        values = np.moveaxis(values.reshape(-1, entities, points), 0, 2)
+    for name, part in hdf5.children(data):
+        points = hdf5.number(part, "NGA") if "NGA" in part.attrs else 1
+        values = hdf5.array(part, "CO")
+        rows = np.arange(count) if name == _WHOLE else hdf5.array(profiles[name], "PFL", "iu").astype(np.int64) - 1
+        if points < 1 or values.size % (len(rows) * points or 1):
+            raise InputError(f"has a field of {values.size} values for {len(rows)} entities")
+        if len(rows) and not 0 <= rows.min() <= rows.max() < count:
+            raise InputError(
+                f"has a profile {name!r} of {rows.min() + 1} to {rows.max() + 1}; allowed are 1 to {count}"
+            )
+        values = np.moveaxis(values.reshape(-1, len(rows), points), 0, 2)
         if made is None:
             whole = name == _WHOLE
             fill = np.nan if values.dtype.kind == "f" else 0

@@ -1,8 +1,10 @@
 """The writers: meshio's where they do, our own where it fails or cannot; called by :mod:`.writer` alone."""
 
+import contextlib
 import io
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -23,13 +25,12 @@ from wct_plugin.io import (
     off,
     ply,
     su2,
-    tetgen_face_file,
+    tetgen,
 )
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.formats import Format
 from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_modules import meshio_module
-from wct_plugin.io.meshio_readers import overheard
 from wct_plugin.io.node_orders import in_gmsh, in_med
 from wct_plugin.io.periodic_sides import PeriodicSides
 from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
@@ -105,7 +106,7 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
             path, content.points, content.point_data[medit.REFERENCES], content.cells, references, content.cell_sets
         )
         return []
-    with overheard() as said, np.errstate(invalid="ignore", divide="ignore"):  # STL normals of slivers
+    with _overheard() as said, np.errstate(invalid="ignore", divide="ignore"):  # STL normals of slivers
         match form.name:
             case "XDMF":
                 _write_xdmf(path, content)
@@ -118,6 +119,16 @@ def save(path: Path, form: Format, mesh: TetMesh | SurfaceMesh, content: Content
                 if form.name == "Nastran":
                     _use_standard_names(path)
     return said
+
+
+@contextlib.contextmanager
+def _overheard() -> Iterator[list[str]]:
+    """Keep meshio from printing; afterwards the list holds its warnings, each one line."""
+    said: list[str] = []
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        yield said
+    said += [" ".join(part.split()) for part in err.getvalue().split("Warning:")[1:]]
 
 
 def _use_standard_names(path: Path) -> None:
@@ -172,11 +183,11 @@ def _write_med(path: Path, content: Content) -> None:
 
 def _write_tetgen(path: Path, content: Content) -> list[str]:
     cells = dict(content.cells)
-    tags = dict(zip(cells, content.cell_data["tetgen:ref"], strict=True))
-    tets = replace(content, cells=content.cells[:1], cell_data={"tetgen:ref": [tags["tetra"]]})
+    tags = dict(zip(cells, content.cell_data[tetgen.TAGS], strict=True))
+    tets = replace(content, cells=content.cells[:1], cell_data={tetgen.TAGS: [tags["tetra"]]})
     meshio_module("tetgen").write(str(path), tets.mesh())
     no_facets = np.empty((0, 3), dtype=np.int64), np.empty(0, dtype=np.int64)
-    return tetgen_face_file.write_facets(path, cells.get("triangle", no_facets[0]), tags.get("triangle", no_facets[1]))
+    return tetgen.write_facets(path, cells.get("triangle", no_facets[0]), tags.get("triangle", no_facets[1]))
 
 
 def _write_su2(path: Path, content: Content) -> None:

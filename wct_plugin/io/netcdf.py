@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import hdf5
 
 
 class Variables(dict[str, NDArray[Any]]):
@@ -43,14 +44,13 @@ def read(path: Path, wanted: tuple[str, ...]) -> Variables:
 
 
 def _from_hdf(path: Path, wanted: tuple[str, ...]) -> Variables:
-    import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
-
     arrays: dict[str, NDArray[Any]] = {}
     types: dict[str, str] = {}
-    with h5py.File(path, "r") as file:
-        for name, data in file.items():
-            if name.startswith(wanted) and isinstance(data, h5py.Dataset):
-                arrays[name] = np.asarray(data[()])
+    with hdf5.opened(path) as file:
+        for name in file:
+            if name.startswith(wanted):
+                data = file[name]
+                arrays[name] = hdf5.array(file, name, "iufSOU")
                 if "elem_type" in data.attrs:
                     value = data.attrs["elem_type"]
                     types[name] = value if isinstance(value, str) else _text(bytes(value))
@@ -60,6 +60,13 @@ def _from_hdf(path: Path, wanted: tuple[str, ...]) -> Variables:
 def _from_classic(path: Path, wanted: tuple[str, ...]) -> Variables:
     from scipy.io import netcdf_file
 
+    try:
+        return _variables(netcdf_file, path, wanted)
+    except Exception as error:  # any at all: it converts and looks up without looking
+        raise InputError("is a damaged or truncated netCDF file") from error
+
+
+def _variables(netcdf_file: Any, path: Path, wanted: tuple[str, ...]) -> Variables:
     arrays: dict[str, NDArray[Any]] = {}
     types: dict[str, str] = {}
     with netcdf_file(path, "r", mmap=False) as file:

@@ -19,7 +19,6 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     Raises :class:`InputError`, without the file's name, for a malformed line.
     """
     text = path.read_bytes()
-    text.decode("utf-8")  # raises for what is no text
     if b"#" in text:
         text = re.sub(rb"#[^\r\n]*", b"", text)
     text = text.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ") if b"\\" in text else text

@@ -19,7 +19,6 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     Raises :class:`InputError`, without the file's name, for a malformed or short file.
     """
     text = path.read_bytes()
-    text.decode("utf-8")  # raises for what is no text
     text = re.sub(rb"#[^\r\n]*", b"", text) if b"#" in text else text
     if b"\n" not in text:
         text = text.replace(b"\r", b"\n")
@@ -58,9 +57,11 @@ def _corners(text: bytes, at: int, count: int) -> tuple[Ints, Ints]:
         values, widths, _ = next_rows(text, np.int64, at, count)
     except InputError:  # colours may be fractions
         reals, widths, _ = next_rows(text, np.float64, at, count)
-        values = reals.astype(np.int64)
+        values = np.where(np.abs(reals) < 2.0**31, reals, -1).astype(np.int64)  # what is no corner is no point
     sizes = columns_of_rows(values, widths, 0, 1).reshape(-1)
-    _check("face", count, 1 + np.maximum(sizes, 0), widths)
+    if (sizes < 0).any():
+        raise InputError(f"face {np.flatnonzero(sizes < 0)[0]} of {count} has no good number of corners")
+    _check("face", count, 1 + np.minimum(sizes, len(values)), widths)
     return sizes, lists_of_rows(values, widths, np.ones_like(sizes), sizes)
 
 

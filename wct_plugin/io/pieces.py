@@ -32,6 +32,7 @@ def without_ghosts(raw: RawMesh) -> RawMesh:
     dropped = sum(int((~kept).sum()) for kept in keep)
     if not dropped:
         return raw
+    _checked(raw)
     ghostly, needed = np.zeros(len(raw.points), bool), np.zeros(len(raw.points), bool)
     for block, kept in zip(raw.cells, keep, strict=True):
         ghostly[block.data[~kept].ravel()] = True
@@ -51,6 +52,15 @@ def without_ghosts(raw: RawMesh) -> RawMesh:
     )
 
 
+def _checked(raw: RawMesh) -> RawMesh:
+    """The mesh, whose cells name none but its own points."""
+    for block in raw.cells:
+        if len(block) and not 0 <= block.data.min() <= block.data.max() < len(raw.points):
+            outside = block.data.max() if block.data.max() >= len(raw.points) else block.data.min()
+            raise InputError(f"has a {block.type} cell with point {outside}; allowed are 0 to {len(raw.points) - 1}")
+    return raw
+
+
 def joined(pieces: list[RawMesh], lost: list[str]) -> RawMesh:
     """The pieces as one mesh. ``lost`` grows by arrays that only some pieces have.
 
@@ -61,7 +71,7 @@ def joined(pieces: list[RawMesh], lost: list[str]) -> RawMesh:
     filled = [piece for piece in pieces if sum(len(block) for block in piece.cells) or len(piece.points)]
     if len(filled) <= 1:
         return (filled or pieces)[0]
-    starts = np.cumsum([0, *(len(piece.points) for piece in filled)])
+    starts = np.cumsum([0, *(len(_checked(piece).points) for piece in filled)])
     made = RawMesh(np.concatenate([piece.points for piece in filled]), [])
     for start, piece in zip(starts, filled, strict=False):
         made.cells += [RawBlock(block.type, block.data + start) for block in piece.cells]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io import vtk_cells
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import lists_of_rows, next_rows
+from wct_plugin.io.text_lines import decoded, lists_of_rows, next_rows, shown, whole_number, whole_numbers
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.types import Ints
 
@@ -129,21 +129,21 @@ def _header(file: IO[bytes]) -> tuple[str, list[_Element]]:
         line = file.readline()
         if not line:
             raise InputError("ends within its header")
-        match line.decode().split():
+        match decoded(line).split():
             case ["end_header"]:
                 break
             case ["format", name, "1.0"] if name in layouts:
                 layout = layouts[name]
             case ["element", name, count]:
-                elements.append(_Element(name, int(count), []))
-            case ["property", "list", count, kind, name] if elements:
+                elements.append(_Element(name, whole_number(count, f"the count of {name!r}"), []))
+            case ["property", "list", count, kind, name] if elements and {count, kind} <= _TYPES.keys():
                 elements[-1].properties.append(_Property(name, _TYPES[kind], _TYPES[count]))
-            case ["property", kind, name] if elements:
+            case ["property", kind, name] if elements and kind in _TYPES:
                 elements[-1].properties.append(_Property(name, _TYPES[kind]))
             case ["comment" | "obj_info", *_] | []:
                 pass
             case _:
-                raise InputError(f"has the header line {line.decode().strip()[:60]!r}, which means nothing in PLY")
+                raise InputError(f"has the header line {shown(line.strip(), 60)}, which means nothing in PLY")
     if layout is None:
         raise InputError("its header names no format; allowed are ascii and binary")
     for element in elements:
@@ -159,7 +159,7 @@ def _binary(file: IO[bytes], element: _Element, order: str) -> dict[str, Any]:
     lengths = _first_lengths(file, element, order)
     file.seek(here)
     row = _row_type(element, order, lengths)
-    data = file.read(row.itemsize * element.count)
+    data = file.read(min(row.itemsize * element.count, sys.maxsize))
     table = np.frombuffer(data[: len(data) // row.itemsize * row.itemsize], dtype=row)
     if len(table) == element.count and all((table[f"#{name}"] == size).all() for name, size in lengths.items()):
         return {prop.name: _Lists.of_table(table[prop.name]) if prop.count else table[prop.name]
@@ -196,10 +196,11 @@ def _binary_rows(file: IO[bytes], element: _Element, order: str) -> Iterator[lis
 
 
 def _take(file: IO[bytes], kind: str, size: int, element: _Element, number: int) -> NDArray[Any]:
-    values = np.frombuffer(file.read(np.dtype(kind).itemsize * size), dtype=kind)
-    if size < 0 or len(values) != size:
+    wanted = np.dtype(kind).itemsize * size
+    data = file.read(wanted) if size >= 0 else b""
+    if len(data) != wanted:
         raise InputError(f"ends within {element.name} {number} of {element.count}")
-    return values
+    return np.frombuffer(data, dtype=kind)
 
 
 def _text(text: bytes, at: int, element: _Element) -> tuple[dict[str, Any], int]:
@@ -220,8 +221,8 @@ def _text(text: bytes, at: int, element: _Element) -> tuple[dict[str, Any], int]
         if not prop.count:
             columns[prop.name] = found.astype(prop.type)
             continue
-        sizes = found.astype(np.int64)
-        _check_rows(element, place + sizes, widths, sizes)
+        sizes = whole_numbers(found)
+        _check_rows(element, place + np.minimum(sizes, len(values)), widths, sizes)
         columns[prop.name] = _Lists(sizes, lists_of_rows(values, widths, place, sizes).astype(prop.type))
         place += sizes
     return columns, end

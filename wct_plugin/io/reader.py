@@ -1,4 +1,4 @@
-"""A file becomes a :class:`TetMesh` or a :class:`SurfaceMesh`: by meshio, by what the file contains, or not at all."""
+"""A file becomes a :class:`TetMesh` or a :class:`SurfaceMesh`: by what its format's reader finds, or not at all."""
 
 import importlib
 import warnings
@@ -10,7 +10,7 @@ from wct_plugin.io import formats
 from wct_plugin.io.assembly import to_mesh
 from wct_plugin.io.boundary_lists import without_lists
 from wct_plugin.io.compressed import unpacked
-from wct_plugin.io.meshio_readers import load, refusing
+from wct_plugin.io.refusals import refusing
 from wct_plugin.io.region_choice import Regions, warn_of_others
 from wct_plugin.io.standard_streams import STREAM, spooled
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -97,11 +97,8 @@ def _read(
     file: Path, form: formats.Format, source: str, regions: Regions, *, repair: bool
 ) -> tuple[TetMesh | SurfaceMesh, list[str], list[str]]:
     """The mesh, what of the file is left out, and what was done to the rest."""
-    if form.reader:
-        with refusing(form):
-            raw, lost = importlib.import_module(f"wct_plugin.io.{form.reader}").read(file)
-    else:
-        raw, lost = load(file, form)
+    with refusing(form):
+        raw, lost = importlib.import_module(f"wct_plugin.io.{form.reader}").read(file)
     return to_mesh(raw, form, lost, source, regions=regions, repair=repair), lost, raw.notes
 
 

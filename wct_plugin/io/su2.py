@@ -11,6 +11,7 @@ import numpy as np
 
 from wct_plugin.errors import InputError
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
+from wct_plugin.io.text_lines import columns_of_rows, number_rows, whole_number
 from wct_plugin.types import Floats, Ints
 
 #: By VTK's number of a kind of cell: what meshio calls it, and how many points it has.
@@ -27,19 +28,19 @@ _KINDS = {
 _NUMBERS = {kind: number for number, (kind, _) in _KINDS.items()}
 _VOLUMES = ("tetra", "hexahedron", "wedge", "pyramid")
 _FACES = ("triangle", "quad")
-_KEYWORD = re.compile(r"^[ \t]*([A-Z][A-Z_0-9]*)[ \t]*=[ \t]*([^\n]*)", re.MULTILINE)
-_TAG = re.compile(r"^% tag (-?\d+) is marker (\S+)\s*$", re.MULTILINE)
+_KEYWORD = re.compile(rb"^[ \t]*([A-Z][A-Z_0-9]*)[ \t]*=[ \t]*([^\r\n]*)", re.MULTILINE)
+_TAG = re.compile(rb"^% tag (-?\d+) is marker (\S+)\s*$", re.MULTILINE)
 
 
 def read(file: Path) -> tuple[RawMesh, list[str]]:
     """Points, cells, and as tags of boundary cells their markers: the number, or one of its own under its name."""
-    text = file.read_text(encoding="utf-8", errors="surrogateescape")
-    known = {name: int(tag) for tag, name in _TAG.findall(text)}
-    text = re.sub(r"%[^\n]*", "", text)
+    text = file.read_bytes()
+    known = {_name(name): int(tag) for tag, name in _TAG.findall(text)}
+    text = re.sub(rb"%[^\r\n]*", b"", text)
     heads = list(_KEYWORD.finditer(text))
     ends = [*(head.start() for head in heads[1:]), len(text)]
-    values = {head[1]: head[2].strip() for head in heads}
-    dimension = values.get("NDIME")
+    values = {head[1].decode(): head[2].strip() for head in heads}
+    dimension = _name(values.get("NDIME", b"not there"))
     if dimension not in ("2", "3"):
         raise InputError(f"NDIME is {dimension}; allowed are 2 and 3")
     points: Floats = np.empty((0, int(dimension)))
@@ -47,16 +48,19 @@ def read(file: Path) -> tuple[RawMesh, list[str]]:
     owners: list[int] = []  # of each block its marker, or -1
     markers: list[str] = []
     for head, end in zip(heads, ends, strict=True):
-        key, value, body = head[1], head[2].strip(), text[head.end() : end]
-        if key == "NPOIN":
-            points = _points(body, _count(key, value), int(dimension))
-        elif key == "MARKER_TAG":
-            markers.append(value)
-        elif key in ("NELEM", "MARKER_ELEMS"):
-            found = _cells(body, _count(key, value), key)
-            blocks += found
-            owners += [len(markers) - 1 if key == "MARKER_ELEMS" else -1] * len(found)
-    announced = _count("NMARK", values.get("NMARK", str(len(markers))))
+        key, value, body = head[1].decode(), head[2].strip(), text[head.end() : end]
+        try:
+            if key == "NPOIN":
+                points = _points(body, _count(value), int(dimension))
+            elif key == "MARKER_TAG":
+                markers.append(_name(value))
+            elif key in ("NELEM", "MARKER_ELEMS"):
+                found = _cells(body, _count(value))
+                blocks += found
+                owners += [len(markers) - 1 if key == "MARKER_ELEMS" else -1] * len(found)
+        except InputError as error:
+            raise InputError(f"{key} {error}") from None
+    announced = _count(values["NMARK"]) if "NMARK" in values else len(markers)
     if len(markers) != announced:
         raise InputError(f"has {len(markers)} markers but announces {announced}")
     numbers = _numbers(markers, known)
@@ -66,41 +70,43 @@ def read(file: Path) -> tuple[RawMesh, list[str]]:
     return RawMesh(points, blocks, cell_data={"su2:tag": [*tags]}, field_data=named), []
 
 
-def _count(key: str, value: str) -> int:
-    first = value.split()[:1]  # NPOIN may have further numbers
-    if not first or not first[0].isdecimal():
-        raise InputError(f"{key} is {value!r}; allowed is a whole number")
-    return int(first[0])
+def _name(name: bytes) -> str:
+    return name.decode("utf-8", "surrogateescape")
 
 
-def _points(body: str, count: int, dimension: int) -> Floats:
+def _count(value: bytes) -> int:
+    count = whole_number((value.split() or [b""])[0], "the count")  # NPOIN may have further numbers
+    if count < 0:
+        raise InputError(f"has the count {count}; allowed are 0 and more")
+    return count
+
+
+def _points(body: bytes, count: int, dimension: int) -> Floats:
     """The coordinates; behind them a number of the point, or several, may stand."""
-    values = np.array(body.split(), dtype=np.float64)
-    if count == 0 or len(values) % count or len(values) < dimension * count:
+    values, widths = number_rows(body, np.float64)
+    if count == 0 or len(widths) != count or (widths < dimension).any():
         raise InputError(f"has {len(values)} coordinates and numbers of points but announces {count} points")
-    return np.ascontiguousarray(values.reshape(count, -1)[:, :dimension])
+    return np.ascontiguousarray(columns_of_rows(values, widths, 0, dimension))
 
 
-def _cells(body: str, count: int, what: str) -> list[RawBlock]:
+def _cells(body: bytes, count: int) -> list[RawBlock]:
     """The cells by kind, each in the order of the file; a number of its own may stand behind each."""
-    rows = [row for row in body.split("\n") if row.strip()]
-    if len(rows) != count:
-        raise InputError(f"has {len(rows)} cells but announces {count} ({what})")
-    kinds = np.array([row.split(None, 1)[0] for row in rows], dtype=np.int64)
+    values, widths = number_rows(body, np.int64)
+    if len(widths) != count:
+        raise InputError(f"has {len(widths)} cells but announces {count}")
+    starts = np.cumsum(widths) - widths
+    kinds = values[starts]
     blocks = []
     for kind in dict.fromkeys(kinds.tolist()):
         if kind not in _KINDS:
-            raise InputError(f"has cells of kind {kind} ({what}); allowed are {', '.join(map(str, _KINDS))}")
+            raise InputError(f"has cells of kind {kind}; allowed are {', '.join(map(str, _KINDS))}")
         name, width = _KINDS[kind]
-        mine = [rows[k] for k in np.flatnonzero(kinds == kind)]
-        lengths = set(map(len, map(str.split, mine)))
-        if not lengths <= {width + 1, width + 2} or len(lengths) > 1:
-            found = ", ".join(map(str, sorted(lengths)))
-            raise InputError(
-                f"has lines of {found} numbers for {name} cells ({what}); allowed is {width + 1}, or one more"
-            )
-        table = np.array(" ".join(mine).split(), dtype=np.int64).reshape(len(mine), -1)
-        blocks.append(RawBlock(name, np.ascontiguousarray(table[:, 1 : width + 1])))
+        mine = np.flatnonzero(kinds == kind)
+        lengths = np.unique(widths[mine]).tolist()
+        if lengths not in ([width + 1], [width + 2]):
+            found = ", ".join(map(str, lengths))
+            raise InputError(f"has lines of {found} numbers for {name} cells; allowed is {width + 1}, or one more")
+        blocks.append(RawBlock(name, values[starts[mine, None] + np.arange(1, width + 1)]))
     return blocks
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import numbers
+from wct_plugin.io.text_lines import Number, columns_of_rows, number_rows, whole_numbers
 from wct_plugin.io.unv_cells import Cells, cells_of
 from wct_plugin.io.unv_groups import Group, groups_of, put_groups
 
@@ -78,11 +78,18 @@ def _datasets(data: bytes) -> list[tuple[str, list[bytes]]]:
 
 
 def _nodes(lines: list[bytes], *, lines_each: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Labels and coordinates, whose exponents Fortran writes with a D."""
+    """Labels and coordinates."""
     if lines_each == 1:
-        table = numbers(b" ".join(lines), np.float64).reshape(len(lines), -1)
-        return table[:, 0].astype(np.int64), table[:, 4:7]
+        table = _columns(lines, np.float64, 7)
+        return whole_numbers(table[:, 0]), table[:, 4:]
     if len(lines) % 2:
         raise InputError("ends within a point")
-    labels = numbers(b" ".join(lines[::2]), np.int64).reshape(len(lines) // 2, -1)[:, 0]
-    return labels, numbers(b" ".join(lines[1::2]), np.float64).reshape(len(labels), 3)
+    return _columns(lines[::2], np.int64, 1)[:, 0], _columns(lines[1::2], np.float64, 3)
+
+
+def _columns(lines: list[bytes], kind: type[Number], width: int) -> NDArray[Number]:
+    """(k, width) the numbers that the lines begin with."""
+    values, widths = number_rows(b"\n".join(lines), kind)
+    if len(widths) != len(lines) or (widths < width).any():
+        raise InputError(f"has a point with fewer than {width} number{'s' * (width > 1)} in a line")
+    return columns_of_rows(values, widths, 0, width).reshape(-1, width)

@@ -1,6 +1,7 @@
 """The arrays of VTK's XML files: text, base64 or raw bytes, packed or not, in the element or appended."""
 
 import base64
+import binascii
 import lzma
 import xml.etree.ElementTree as ET
 import zlib
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import lz4_block, safe_xml
-from wct_plugin.io.text_lines import numbers_of_type
+from wct_plugin.io.text_lines import numbers_of_type, whole_number
 
 _TYPES = {
     "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4", "Int64": "i8",
@@ -79,16 +80,24 @@ def values(file: VtkXml, element: ET.Element) -> NDArray[Any]:
         case "ascii":
             array = numbers_of_type((element.text or "").encode(), dtype)
         case "binary":
-            array = np.frombuffer(_content(file, "".join((element.text or "").split()).encode(), raw=False), dtype)
+            array = _numbers(_content(file, "".join((element.text or "").split()).encode(), raw=False), dtype)
         case "appended":
-            start = int(element.get("offset", "-1"))
+            start = whole_number(element.get("offset", "-1"), "an offset")
             if not 0 <= start < len(file.appended):
                 raise InputError(f"array {element.get('Name')!r} lies beyond the appended data")
-            array = np.frombuffer(_content(file, file.appended[start:], raw=file.raw), dtype)
+            array = _numbers(_content(file, file.appended[start:], raw=file.raw), dtype)
         case other:
             raise InputError(f"array {element.get('Name')!r} has the format {other!r}")
-    width = int(element.get("NumberOfComponents") or 1)
+    width = whole_number(element.get("NumberOfComponents") or "1", "NumberOfComponents")
+    if len(array) % max(width, 1):
+        raise InputError(f"array {element.get('Name')!r} has {len(array)} numbers, not {width} for each row")
     return array.astype(dtype.newbyteorder("=")).reshape((-1, width) if width > 1 else -1)
+
+
+def _numbers(content: bytes, dtype: np.dtype[Any]) -> NDArray[Any]:
+    if len(content) % dtype.itemsize:
+        raise InputError(f"has an array of {len(content)} bytes, not {dtype.itemsize} for each number")
+    return np.frombuffer(content, dtype)
 
 
 def _content(file: VtkXml, data: bytes, *, raw: bool) -> bytes:
@@ -109,9 +118,13 @@ def _content(file: VtkXml, data: bytes, *, raw: bool) -> bytes:
     bodies, _ = _take(rest, sum(packed), raw=raw)
     ends = np.cumsum(packed).tolist()
     sizes = [size] * (count - 1) + [last or size]
-    blocks = [
-        file.unpack(bodies[end - length : end], wanted) for end, length, wanted in zip(ends, packed, sizes, strict=True)
-    ]
+    try:
+        blocks = [
+            file.unpack(bodies[end - length : end], wanted)
+            for end, length, wanted in zip(ends, packed, sizes, strict=True)
+        ]
+    except (zlib.error, lzma.LZMAError) as error:
+        raise InputError(f"has a damaged packed block ({error})") from error
     if [len(block) for block in blocks] != sizes:
         raise InputError("has a packed block of another length than it says")
     return b"".join(blocks)
@@ -120,7 +133,10 @@ def _content(file: VtkXml, data: bytes, *, raw: bool) -> bytes:
 def _take(data: bytes, size: int, *, raw: bool) -> tuple[bytes, bytes]:
     """The first ``size`` bytes that the data stand for, and the data after them."""
     length = size if raw else _base64_length(size)
-    taken = data[:length] if raw else base64.b64decode(data[:length], validate=True)
+    try:
+        taken = data[:length] if raw else base64.b64decode(data[:length], validate=True)
+    except binascii.Error as error:
+        raise InputError(f"has an array that is no base64 ({error})") from error
     if len(taken) < size:
         raise InputError("ends within an array")
     return taken[:size], data[length:]

@@ -11,6 +11,7 @@ from wct_plugin.io import vtk_cells
 from wct_plugin.io.pieces import without_ghosts
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.record_runs import runs
+from wct_plugin.io.text_lines import whole_number
 from wct_plugin.io.vtk_legacy_text import Source
 
 #: The groups of cells of polygonal data, in the order of its cell data, with VTK's type.
@@ -39,17 +40,17 @@ class _Reader:
                 if kind.upper() not in ("UNSTRUCTURED_GRID", "POLYDATA"):
                     raise InputError(f"holds {kind}; allowed are UNSTRUCTURED_GRID and POLYDATA")
             case ["POINTS", count, kind]:
-                self.points = self.source.numbers(3 * int(count), kind).reshape(-1, 3)
+                self.points = self.source.numbers(3 * _count(count), kind).reshape(-1, 3)
             case ["CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS" as group, count, size]:
-                self.cells[group] = self._cells(int(count), int(size))
+                self.cells[group] = self._cells(_count(count), _count(size))
             case ["CELL_TYPES", count]:
-                self.types = self.source.numbers(int(count), "int")
+                self.types = self.source.numbers(_count(count), "int")
             case ["POINT_DATA" | "CELL_DATA" as what, count]:
-                self.what, self.count = what.lower().replace("_", " "), int(count)
+                self.what, self.count = what.lower().replace("_", " "), _count(count)
             case ["METADATA"]:
                 self.source.skip_metadata()
             case ["FIELD", _, count]:
-                for _ in range(int(count)):
+                for _ in range(_count(count)):
                     self._field()
             case _:
                 self._attribute(words)
@@ -74,40 +75,50 @@ class _Reader:
 
     def _field(self) -> None:
         words = self.source.line()
-        while words[0] == "METADATA":
+        while words[:1] == ["METADATA"]:
             self.source.skip_metadata()
             words = self.source.line()
+        if len(words) != 4:
+            raise InputError(f"has the line {' '.join(words)[:60]!r} where an array of a field is expected")
         name, width, length, kind = words
         if kind.lower() in ("string", "variant"):
-            self.source.skip_text(int(width) * int(length), kind)
+            self.source.skip_text(_count(width) * _count(length), kind)
             self.lost.append(f"{self.what} {name!r}, which is text")
         else:
-            self._keep(name, self.source.numbers(int(width) * int(length), kind), int(width))
+            self._keep(name, kind, _count(width), _count(length))
 
     def _attribute(self, words: list[str]) -> None:
+        colours = "float" if self.source.text else "unsigned_char"
         match [words[0].upper(), *words[1:]]:
             case ["SCALARS", name, kind, *width]:
-                columns = int(width[0]) if width else 1
                 self.source.expect("LOOKUP_TABLE")
-                self._keep(name, self.source.numbers(columns * self.count, kind), columns)
+                self._keep(name, kind, _count(width[0]) if width else 1, self.count)
             case ["TEXTURE_COORDINATES", name, width, kind]:
-                self._keep(name, self.source.numbers(int(width) * self.count, kind), int(width))
+                self._keep(name, kind, _count(width), self.count)
             case ["COLOR_SCALARS", name, width]:
-                kind = "float" if self.source.text else "unsigned_char"
-                self._keep(name, self.source.numbers(int(width) * self.count, kind), int(width))
+                self._keep(name, colours, _count(width), self.count)
             case ["LOOKUP_TABLE", _, size]:  # colours, of no meaning to a mesh
-                self.source.numbers(4 * int(size), "float" if self.source.text else "unsigned_char")
+                self.source.numbers(4 * _count(size), colours)
             case [kind, name, of] if kind in _COLUMNS:
-                self._keep(name, self.source.numbers(_COLUMNS[kind] * self.count, of), _COLUMNS[kind])
+                self._keep(name, of, _COLUMNS[kind], self.count)
             case _:
                 raise InputError(f"has the line {' '.join(words)[:60]!r}, which means nothing in a VTK file")
 
-    def _keep(self, name: str, values: NDArray[Any], width: int) -> None:
+    def _keep(self, name: str, kind: str, width: int, rows: int) -> None:
+        """Read an array, and keep it where it is of points or cells."""
+        values = self.source.numbers(width * rows, kind)
         if self.what == "field data":
             self.lost.append(f"field data {name!r}")
             return
         data = self.point_data if self.what == "point data" else self.cell_data
-        data[name] = values.reshape(-1, width) if width != 1 else values
+        data[name] = values.reshape(rows, width) if width != 1 else values
+
+
+def _count(word: str) -> int:
+    count = whole_number(word, "the count")
+    if count < 0:
+        raise InputError(f"has the count {count}; allowed are 0 and more")
+    return count
 
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:

@@ -13,6 +13,7 @@ from wct_plugin.io import vtk_cells
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.pieces import joined
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import whole_number
 from wct_plugin.io.vtk_arrays import VtkXml, parse, values
 from wct_plugin.types import Ints
 
@@ -47,13 +48,15 @@ def read_pieces(path: Path, lost: list[str]) -> list[RawMesh]:
 
 
 def _piece(file: VtkXml, piece: ET.Element, table: Callable[[VtkXml, ET.Element], _Table], lost: list[str]) -> RawMesh:
-    count = int(piece.get("NumberOfPoints", "0"))
+    count = whole_number(piece.get("NumberOfPoints", "0"), "NumberOfPoints")
     element = piece.find("Points/DataArray")
     points = np.empty((0, 3)) if element is None or not count else values(file, element)
     if points.shape != (count, 3):
         raise InputError(f"has points of shape {points.shape} but announces {count} of 3 coordinates")
     types, starts, connectivity = table(file, piece)
-    announced = sum(int(number) for key, number in piece.attrib.items() if key.startswith("NumberOf")) - count
+    announced = (
+        sum(whole_number(number, key) for key, number in piece.attrib.items() if key.startswith("NumberOf")) - count
+    )
     if len(types) != announced:
         raise InputError(f"has {len(types)} cells but announces {announced}")
     cell_data = _arrays(file, piece.find("CellData"), "cell data", lost)
@@ -66,7 +69,7 @@ def _piece(file: VtkXml, piece: ET.Element, table: Callable[[VtkXml, ET.Element]
 
 
 def _grid(file: VtkXml, piece: ET.Element) -> _Table:
-    arrays = _named(file, piece.find("Cells"))
+    arrays = _named(file, piece, "Cells", ("types", "offsets", "connectivity"))
     return arrays["types"], np.concatenate([[0], arrays["offsets"]]).astype(np.int64), arrays["connectivity"]
 
 
@@ -75,8 +78,8 @@ def _polygons(file: VtkXml, piece: ET.Element) -> _Table:
     sizes: list[NDArray[Any]] = []
     corners: list[NDArray[Any]] = []
     for group, code in _GROUPS.items():
-        if int(piece.get(f"NumberOf{group}", "0")):
-            arrays = _named(file, piece.find(group))
+        if whole_number(piece.get(f"NumberOf{group}", "0"), f"NumberOf{group}"):
+            arrays = _named(file, piece, group, ("offsets", "connectivity"))
             sizes.append(np.diff(arrays["offsets"].astype(np.int64), prepend=0))
             types.append(np.full(len(sizes[-1]), code))
             corners.append(arrays["connectivity"])
@@ -85,11 +88,17 @@ def _polygons(file: VtkXml, piece: ET.Element) -> _Table:
     return np.concatenate(types), np.cumsum(np.concatenate([[0], *sizes])), np.concatenate(corners)
 
 
-def _named(file: VtkXml, group: ET.Element | None) -> dict[str, NDArray[Any]]:
-    """The arrays that say what the cells are; the faces of polyhedra are not among them."""
-    wanted = ("types", "offsets", "connectivity")
-    found = {} if group is None else {array.get("Name", ""): array for array in group.iter("DataArray")}
-    return {name: values(file, found[name]) for name in wanted if name in found}
+def _named(file: VtkXml, piece: ET.Element, group: str, wanted: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """The arrays of a group that say what its cells are: whole numbers, one for each cell or point of a cell."""
+    found = {array.get("Name", ""): array for array in piece.iterfind(f"{group}/DataArray")}
+    made = {}
+    for name in wanted:
+        if name not in found:
+            raise InputError(f"has no array {name!r} in {group}")
+        made[name] = values(file, found[name])
+        if made[name].ndim != 1 or made[name].dtype.kind not in "iu":
+            raise InputError(f"has an array {name!r} in {group} that is no list of whole numbers")
+    return made
 
 
 def _arrays(file: VtkXml, group: ET.Element | None, what: str, lost: list[str]) -> dict[str, NDArray[Any]]:

@@ -12,6 +12,7 @@ from wct_plugin.errors import InputError
 from wct_plugin.io import safe_xml, vtk_cells
 from wct_plugin.io.pieces import joined
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import whole_number
 from wct_plugin.io.xdmf_cells import Table, table
 from wct_plugin.io.xdmf_items import XdmfFile
 from wct_plugin.io.xdmf_tags import one_mesh
@@ -40,9 +41,9 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
         raise InputError(f"holds {root.tag}; expected Xdmf")
     lost: list[str] = []
     notes: list[str] = []
-    with XdmfFile(path, root) as file:
-        chosen = [grid for domain in root.iter("Domain") for grid in _leaves(domain, notes, lost)]
-        grids = [_grid(file, element, lost) for element in chosen]
+    file = XdmfFile(path, root)
+    chosen = [grid for domain in root.iter("Domain") for grid in _leaves(domain, notes, lost)]
+    grids = [_grid(file, element, lost) for element in chosen]
     if not grids:
         raise InputError("has no grid")
     parts: list[list[Grid]] = []
@@ -114,7 +115,12 @@ def _points(file: XdmfFile, geometry: ET.Element) -> NDArray[Any]:
         raise InputError(f"has a geometry of type {kind!r} and {len(items)} arrays; allowed are XYZ, XY, X_Y_Z and X_Y")
     arrays = [file.values(item) for item in items]
     if "_" in kind:
-        return np.column_stack([array.ravel() for array in arrays])
+        arrays = [array.ravel() for array in arrays]
+        if len({len(array) for array in arrays}) > 1:
+            raise InputError(f"has a geometry of {' and '.join(str(len(array)) for array in arrays)} coordinates")
+        return np.column_stack(arrays)
+    if arrays[0].size % len(kind):
+        raise InputError(f"has a geometry of {arrays[0].size} coordinates; expected {len(kind)} for each point")
     return arrays[0].reshape(-1, len(kind))
 
 
@@ -126,10 +132,10 @@ def _cells(file: XdmfFile, topology: ET.Element) -> Table:
     values = file.values(item)
     if values.dtype.kind not in "iu":
         raise InputError("has a topology that is not of whole numbers")
-    made = table(kind, values, int(topology.get("NodesPerElement") or 0))
+    made = table(kind, values, whole_number(topology.get("NodesPerElement") or "0", "NodesPerElement"))
     types, starts, points = made
     # The dimensions of what is no structured grid are the number of its cells.
     announced = topology.get("NumberOfElements") or topology.get("Dimensions")
     if announced and announced.split() != [str(len(types))]:
         raise InputError(f"has {len(types)} cells but announces {announced.strip()}")
-    return types, starts, points - int(topology.get("BaseOffset") or 0)
+    return types, starts, points - whole_number(topology.get("BaseOffset") or "0", "BaseOffset")

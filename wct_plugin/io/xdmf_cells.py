@@ -35,7 +35,7 @@ def table(name: str, values: NDArray[Any], per_cell: int) -> Table:
         raise InputError(f"has a topology of type {name!r}; allowed are Mixed, {', '.join(_BY_NAME)}")
     code, wanted, _ = _TYPES[_BY_NAME[name.lower()]]
     width = wanted or per_cell or (values.shape[-1] if values.ndim > 1 else 1)
-    if values.size % width:
+    if width < 1 or values.size % width:
         raise InputError(f"has a topology of {values.size} numbers, which is not a multiple of {width}")
     cells = values.reshape(-1, width).astype(np.int64)
     return _rows(code, cells)

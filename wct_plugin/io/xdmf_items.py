@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ET
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import hdf5
 from wct_plugin.io.companions import companion
-from wct_plugin.io.text_lines import numbers_of_type
+from wct_plugin.io.text_lines import numbers_of_type, whole_number
 
 _KINDS = {"int": "i", "uint": "u", "float": "f", "char": "i", "uchar": "u", "short": "i", "ushort": "u"}
 #: Bytes of a number where the file does not say.
@@ -22,18 +24,10 @@ _CONDITION = re.compile(
 
 
 class XdmfFile:
-    """An XDMF file with the files of numbers that lie beside or below it; a context that closes these."""
+    """An XDMF file with the files of numbers that lie beside or below it."""
 
     def __init__(self, path: Path, root: ET.Element) -> None:
         self.path, self.root = path, root
-        self._open: dict[Path, Any] = {}
-
-    def __enter__(self) -> "XdmfFile":
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        for file in self._open.values():
-            file.close()
 
     def find(self, path: str) -> list[ET.Element]:
         """The elements at a path such as ``/Xdmf/Domain/Grid[@Name='mesh']/*[self::Topology or self::Geometry]``."""
@@ -99,26 +93,22 @@ class XdmfFile:
             case other:
                 raise InputError(f"has a DataItem of Format {other!r}; allowed are HDF, XML and Binary")
         shape = _shape(item)
-        if shape and int(np.prod(shape)) != array.size:
+        if shape and prod(shape) != array.size:
             raise InputError(f"has a DataItem of {array.size} numbers but announces {' x '.join(map(str, shape))}")
         return array.reshape(shape or array.shape)
 
     def _from_hdf(self, text: str) -> NDArray[Any]:
-        import h5py  # type: ignore[import-untyped]  # here: what reads no such file should not take it
-
         name, colon, inside = text.rpartition(":")
         if not colon:
             raise InputError(f"has the DataItem {text[:60]!r}; expected FILE:/PATH")
         path = companion(self.path, name)
-        if path not in self._open:
-            self._open[path] = h5py.File(path, "r")
-        if inside not in self._open[path]:
-            raise InputError(f"names {inside!r} in {name}, where there is nothing")
-        link = self._open[path].get(inside, getlink=True)
-        data = self._open[path][inside]
-        if isinstance(link, h5py.ExternalLink) or Path(data.file.filename) != path or getattr(data, "external", None):
-            raise InputError(f"names {inside!r} in {name}, which is kept in another file")
-        array = np.asarray(data[()])
+        with hdf5.opened(path) as file:
+            if inside not in file:
+                raise InputError(f"names {inside!r} in {name}, where there is nothing")
+            data = file[inside]
+            if Path(data.file.filename) != path or getattr(data, "external", None):
+                raise InputError(f"names {inside!r} in {name}, which is kept in another file")
+            array = hdf5.array(file, inside)
         return array.astype(array.dtype.newbyteorder("="))
 
     def _from_bytes(self, text: str, item: ET.Element) -> NDArray[Any]:
@@ -126,36 +116,54 @@ class XdmfFile:
         dtype = _dtype(item).newbyteorder(order)
         path = companion(self.path, text)
         with path.open("rb") as file:
-            file.seek(int(item.get("Seek", "0")))
-            array = np.frombuffer(file.read(int(np.prod(_shape(item))) * dtype.itemsize), dtype)
+            file.seek(max(whole_number(item.get("Seek", "0"), "Seek"), 0))
+            content = file.read(prod(_shape(item)) * dtype.itemsize)
+        array = np.frombuffer(content[: len(content) // dtype.itemsize * dtype.itemsize], dtype)
         return array.astype(dtype.newbyteorder("="))
 
     def _slab(self, item: ET.Element) -> NDArray[Any]:
         """A part of an array: start, stride and count along each axis."""
-        chosen, whole = item.findall("DataItem")
-        array = self.values(whole)
-        starts, strides, counts = self.values(chosen).astype(np.int64).reshape(3, -1)
+        items = item.findall("DataItem")
+        if len(items) != 2:
+            raise InputError(f"has a HyperSlab of {len(items)} DataItems; expected what is taken, and of what")
+        array, chosen = self.values(items[1]), self.values(items[0])
+        if chosen.size % 3 or chosen.dtype.kind not in "iu":
+            raise InputError(f"has a HyperSlab of {chosen.size} numbers; expected start, stride and count of each axis")
+        starts, strides, counts = chosen.astype(np.int64).reshape(3, -1)
         ends = starts + strides * counts
         if (
             len(starts) != array.ndim
             or (starts < 0).any()
+            or (counts < 0).any()
             or (strides < 1).any()
             or (ends - strides >= array.shape).any()
         ):
             raise InputError("has a HyperSlab that reaches beyond its array")
         part = array[tuple(slice(a, b, step) for a, b, step in zip(starts, ends, strides, strict=True))]
-        return part.reshape(_shape(item) or part.shape)
+        shape = _shape(item) or part.shape
+        if prod(shape) != part.size:
+            raise InputError(f"has a HyperSlab of {part.size} numbers but announces {' x '.join(map(str, shape))}")
+        return part.reshape(shape)
 
 
 def _shape(item: ET.Element) -> tuple[int, ...]:
-    return tuple(int(word) for word in item.get("Dimensions", "").split())
+    """The lengths of a DataItem along each axis."""
+    shape = tuple(whole_number(word, "Dimensions") for word in item.get("Dimensions", "").split())
+    if any(length < 0 for length in shape):
+        raise InputError(f"has Dimensions {item.get('Dimensions')!r}; allowed are 0 and more")
+    return shape
 
 
 def _dtype(item: ET.Element) -> np.dtype[Any]:
     kind = (item.get("DataType") or item.get("NumberType") or "Float").lower()
     if kind not in _KINDS:
         raise InputError(f"has a DataItem of the type {kind!r}; allowed are {', '.join(_KINDS)}")
-    return np.dtype(f"{_KINDS[kind]}{int(item.get('Precision') or _BYTES[kind])}")
+    size = whole_number(item.get("Precision") or str(_BYTES[kind]), "Precision")
+    if size not in ((4, 8) if _KINDS[kind] == "f" else (1, 2, 4, 8)):
+        raise InputError(
+            f"has a DataItem of type {kind!r} and {size} bytes; allowed are 4 and 8, of whole numbers 1 and 2"
+        )
+    return np.dtype(f"{_KINDS[kind]}{size}")
 
 
 def _steps(path: str) -> list[str]:

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.io import beside_tets, formats, mid_nodes
-from wct_plugin.io.meshio_readers import raw_mesh
 from wct_plugin.io.meshio_writers import Content
+from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.written_regions import shared_type
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.assembled import assembled, not_carried
@@ -23,7 +23,20 @@ def from_meshio(mesh: Any) -> TetMesh | SurfaceMesh:
     lost = [f"field data {name!r}" for name, pair in mesh.field_data.items() if np.size(pair) != 2]
     lost += ["info"] if mesh.info else []
     form = gmsh if _PHYSICAL in mesh.cell_data else formats.MESHIO
-    return assembled(raw_mesh(mesh), form, "meshio.Mesh", lost=lost)
+    return assembled(_raw(mesh), form, "meshio.Mesh", lost=lost)
+
+
+def _raw(mesh: Any) -> RawMesh:
+    return RawMesh(
+        mesh.points,
+        [RawBlock(block.type, block.data) for block in mesh.cells],
+        dict(mesh.point_data),
+        {name: list(columns) for name, columns in mesh.cell_data.items()},
+        dict(mesh.point_sets),
+        {name: list(columns) for name, columns in mesh.cell_sets.items()},
+        dict(mesh.field_data),
+        periodic=list(getattr(mesh, "gmsh_periodic", None) or ()),
+    )
 
 
 def to_meshio(mesh: TetMesh | SurfaceMesh) -> Any:
