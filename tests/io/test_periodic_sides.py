@@ -52,7 +52,7 @@ def cell(tags: tuple[int, int] = (5, 6)) -> TetMesh:
     return replace(mesh, regions=np.ones(len(mesh.tets), dtype=np.int64), facets=both, periodic=True)
 
 
-@pytest.mark.parametrize(("version", "binary"), FORMS)
+@pytest.mark.parametrize(("version", "binary"), [*FORMS, ("4.0", False)])
 def test_what_gmsh_writes_is_read(tmp_path, version, binary):
     gmsh_cell(tmp_path / "a.msh", version, binary)
     assert read(tmp_path / "a.msh").periodic

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +69,7 @@ def blocks(text: bytes, included: Included, within: tuple[Path, ...] = ()) -> It
     before = np.flatnonzero((first > 0) & ~comment)
     if len(before) and (not keywords or before[0] < keywords[0]):
         raise InputError(f"begins with {shown(lines.line(int(before[0])))}; expected a keyword such as *HEADING")
-    for row, following in zip(keywords, [*keywords[1:], len(lines)], strict=True):
+    for row, following in pairwise([*keywords, len(lines)]):
         line, start = lines.line(row), row + 1
         while line.endswith(b",") and start < following:  # goes on in the next line
             line += b"" if comment[start] else lines.line(start)

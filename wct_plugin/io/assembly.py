@@ -70,16 +70,17 @@ def to_mesh(
     regions that are none, :class:`~wct_plugin.errors.OptionError`.
     """
     notes = raw.notes
-    raw, curved = corners_only(replace(raw, points=_in_space(np.asarray(raw.points))))
+    points = _in_space(np.asarray(raw.points))
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3, or 2 in the plane")
+    raw, curved = corners_only(replace(raw, points=points))
     raw = as_triangles(raw)
     regions = region_choice.single(regions)
     kinds = _kinds(raw)
     main = "tetra" if len(kinds["tetra"].cells) else "triangle"
     if not len(kinds[main].cells):
         raise InputError("has neither tets nor triangles")
-    points = np.asarray(raw.points)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"its points have {points.shape[-1]} coordinates; allowed are 3, or 2 in the plane")
+    points = raw.points
     if form.name == "VTK":  # VTK keeps blanks in names as %20
         for kind in kinds.values():
             kind.data = {unquote(name): values for name, values in kind.data.items()}

@@ -60,7 +60,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     tags: list[NDArray[Any]] = []
     _blocks(raw, found, tags)
     raw.cell_data = {_TAGS: tags, **_cell_data(raw, found)}  # type: ignore[dict-item]
-    _side_sets(raw, found, lost)
+    _side_sets(raw, found)
     _node_sets(raw, found)
     for name, values in zip(found.texts("name_nod_var"), _node_values(found), strict=False):
         raw.point_data[name] = values
@@ -74,10 +74,14 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
 
 def _points(found: Variables) -> NDArray[Any]:
     if "coord" in found:
+        if found["coord"].ndim != 2:
+            raise InputError(f"has coordinates of shape {found['coord'].shape}; expected rows of x, y and z")
         return found["coord"].T
     axes = [found[f"coord{axis}"] for axis in "xyz" if f"coord{axis}" in found]
     if not axes:
         raise InputError("has no coordinates; is it an Exodus file?")
+    if len({axis.shape for axis in axes}) > 1 or axes[0].ndim != 1:
+        raise InputError(f"has coordinates of shapes {' and '.join(str(axis.shape) for axis in axes)}")
     return np.column_stack(axes)
 
 
@@ -137,7 +141,7 @@ def _node_values(found: Variables) -> list[NDArray[Any]]:
     return [array[-1] for array in arrays if len(array)]
 
 
-def _side_sets(raw: RawMesh, found: Variables, lost: list[str]) -> None:
+def _side_sets(raw: RawMesh, found: Variables) -> None:
     """Facets of all side sets, each once, tagged by the first set it is in; sets that lose by this are sets too."""
     numbers = _numbered(found, "elem_ss")
     ids = _ids(found, "ss", max(numbers, default=0))
@@ -145,7 +149,10 @@ def _side_sets(raw: RawMesh, found: Variables, lost: list[str]) -> None:
     owned = list(raw.cells)
     gathered: dict[str, list[tuple[int, NDArray[np.int64]]]] = {}
     for number in numbers:
-        sides = _sides(owned, found[f"elem_ss{number}"] - 1, found[f"side_ss{number}"] - 1, ids[number - 1])
+        cells, places = (found.get(f"{what}_ss{number}", np.empty(0)) for what in ("elem", "side"))
+        if cells.shape != places.shape:
+            raise InputError(f"side set {ids[number - 1]} has {cells.size} cells but {places.size} sides")
+        sides = _sides(owned, cells - 1, places - 1, ids[number - 1])
         for kind, facets in sides:
             gathered.setdefault(kind, []).append((number, facets))
             _name(raw, names[number - 1], ids[number - 1], 1 if kind == "line" else 2)

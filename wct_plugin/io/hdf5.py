@@ -36,7 +36,7 @@ def children(group: Any) -> Iterator[tuple[str, Any]]:
 def array(group: Any, name: str, kinds: str = "iuf") -> NDArray[Any]:
     """A whole array; its type must be of one of these ``kinds`` of NumPy's. Raises :class:`InputError` otherwise."""
     found = group[name]
-    if not hasattr(found, "dtype") or found.shape is None or found.dtype.kind not in kinds:
+    if getattr(found, "shape", None) is None or found.dtype.kind not in kinds:
         raise InputError(f"has {name!r} in {_called(group)}, which is no array of numbers")
     return np.asarray(found[()])
 

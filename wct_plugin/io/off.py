@@ -8,7 +8,7 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.io import vtk_cells
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import columns_of_rows, lists_of_rows, next_rows, shown
+from wct_plugin.io.text_lines import columns_of_rows, lists_of_rows, next_rows, shown, whole_number
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.types import Floats, Ints
 
@@ -29,7 +29,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
         if re.fullmatch(rb"[STCN]*OFF", first):
             raise InputError("has no line with its numbers of vertices and faces")
         raise InputError(f"begins with {shown(first)}; expected 'OFF'")
-    vertices, faces = int(head[1]), int(head[2])
+    vertices, faces = (whole_number(head[k], "the count") for k in (1, 2))
     points, at = _points(text, head.end(), vertices)
     sizes, corners = _corners(text, at, faces)
     blocks, _ = vtk_cells.faces(sizes, corners, {})

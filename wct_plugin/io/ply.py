@@ -3,6 +3,7 @@
 MeshLab stores its quality per face after the vertex list, where meshio's reader loses its place.
 """
 
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -159,7 +160,7 @@ def _binary(file: IO[bytes], element: _Element, order: str) -> dict[str, Any]:
     lengths = _first_lengths(file, element, order)
     file.seek(here)
     row = _row_type(element, order, lengths)
-    data = file.read(min(row.itemsize * element.count, sys.maxsize))
+    data = _read(file, row.itemsize * element.count)
     table = np.frombuffer(data[: len(data) // row.itemsize * row.itemsize], dtype=row)
     if len(table) == element.count and all((table[f"#{name}"] == size).all() for name, size in lengths.items()):
         return {prop.name: _Lists.of_table(table[prop.name]) if prop.count else table[prop.name]
@@ -197,10 +198,16 @@ def _binary_rows(file: IO[bytes], element: _Element, order: str) -> Iterator[lis
 
 def _take(file: IO[bytes], kind: str, size: int, element: _Element, number: int) -> NDArray[Any]:
     wanted = np.dtype(kind).itemsize * size
-    data = file.read(wanted) if size >= 0 else b""
+    data = _read(file, wanted)
     if len(data) != wanted:
         raise InputError(f"ends within {element.name} {number} of {element.count}")
     return np.frombuffer(data, dtype=kind)
+
+
+def _read(file: IO[bytes], size: int) -> bytes:
+    """So many bytes, or all that are left; none where a damaged file asks for fewer."""
+    left = os.fstat(file.fileno()).st_size - file.tell()
+    return file.read(max(min(size, left), 0))
 
 
 def _text(text: bytes, at: int, element: _Element) -> tuple[dict[str, Any], int]:

@@ -5,6 +5,8 @@ import warnings
 from contextlib import ExitStack
 from pathlib import Path
 
+import numpy as np
+
 from wct_plugin.errors import InputError, OptionError, WctWarning
 from wct_plugin.io import formats
 from wct_plugin.io.assembly import to_mesh
@@ -97,9 +99,11 @@ def _read(
     file: Path, form: formats.Format, source: str, regions: Regions, *, repair: bool
 ) -> tuple[TetMesh | SurfaceMesh, list[str], list[str]]:
     """The mesh, what of the file is left out, and what was done to the rest."""
-    with refusing(form):
-        raw, lost = importlib.import_module(f"wct_plugin.io.{form.reader}").read(file)
-    return to_mesh(raw, form, lost, source, regions=regions, repair=repair), lost, raw.notes
+    with np.errstate(invalid="ignore", over="ignore"):  # of coordinates that are no numbers the mesh says where
+        with refusing(form):
+            raw, lost = importlib.import_module(f"wct_plugin.io.{form.reader}").read(file)
+        mesh = to_mesh(raw, form, lost, source, regions=regions, repair=repair)
+    return mesh, lost, raw.notes
 
 
 def _check_file(path: str | Path, file: Path) -> None:

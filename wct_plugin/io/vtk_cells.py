@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io.raw_mesh import RawBlock
+from wct_plugin.mesh import cell_kinds
 from wct_plugin.types import Ints
 
 #: Types of a fixed number of points: meshio's name, the number, and meshio's order of them where it differs.
@@ -119,7 +120,14 @@ def _as_kind(
         yield "triangle", cells[:, corners].reshape(-1, 3), np.repeat(rows, size - 2)
     elif code == _POLYGON and size >= 3:
         yield {3: "triangle", 4: "quad"}.get(size, "polygon"), cells, rows
-    elif code in _OTHER:
+    elif code in _OTHER and size >= _least(_OTHER[code]):
         yield _OTHER[code], cells, rows
     elif code != 0:  # VTK's empty cell is none
-        raise InputError(f"cell {rows[0]} is of VTK's type {code} and has {size} points; that type is not known")
+        raise InputError(
+            f"cell {rows[0]} is of VTK's type {code} and has {size} points; allowed are known types with enough points"
+        )
+
+
+def _least(kind: str) -> int:
+    """How many points a cell of any number of points has at least."""
+    return cell_kinds.corners(kind) if cell_kinds.dimension(kind) >= 0 else 1

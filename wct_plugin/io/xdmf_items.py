@@ -117,7 +117,7 @@ class XdmfFile:
         path = companion(self.path, text)
         with path.open("rb") as file:
             file.seek(max(whole_number(item.get("Seek", "0"), "Seek"), 0))
-            content = file.read(prod(_shape(item)) * dtype.itemsize)
+            content = file.read(min(prod(_shape(item)) * dtype.itemsize, path.stat().st_size))
         array = np.frombuffer(content[: len(content) // dtype.itemsize * dtype.itemsize], dtype)
         return array.astype(dtype.newbyteorder("="))
 
