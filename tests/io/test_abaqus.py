@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.volumes import tet_volumes
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import abaqus, read
@@ -23,7 +24,7 @@ def mesh_of(folder: Path, text: str | bytes) -> TetMesh:
 
 
 def volumes(mesh: TetMesh) -> dict[str, float]:
-    each = np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]]) / 6
+    each = tet_volumes(mesh)
     return {name: float(each[rows].sum()) for name, rows in mesh.tet_sets.items()}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import pyvista as pv
 from support.builders import two_region_cube
+from support.volumes import region_volumes
 
 from wct_plugin.errors import InputError, OutputError, WctWarning
 from wct_plugin.io import read, write
@@ -110,12 +111,7 @@ def exodus(path: Path, kind: str, *, named: bool = True, apart: bool = True) -> 
         file.createVariable("node_ns1", "i4", ("num_nod_ns1",))[:] = fixed + 1
 
 
-def volumes(mesh: TetMesh) -> dict[int, float]:
-    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
-    return {tag: size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions).tolist()}
-
-
-WANTED = volumes(TetMesh(POINTS, TETS, np.repeat([10, 20], [len(block) for block in BLOCKS])))
+WANTED = region_volumes(TetMesh(POINTS, TETS, np.repeat([10, 20], [len(block) for block in BLOCKS])))
 
 
 @pytest.mark.parametrize("kind", ["NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF4"])
@@ -126,7 +122,7 @@ def test_blocks_side_sets_node_sets_and_variables(kind: str, suffix: str, tmp_pa
     with pytest.warns(WctWarning, match=rf"a\{suffix}: has 2 steps; the last at time 2\.5 is taken$"):
         mesh = read(path)
     assert isinstance(mesh, TetMesh)
-    assert volumes(mesh) == pytest.approx(WANTED, rel=1e-12)
+    assert region_volumes(mesh) == pytest.approx(WANTED, rel=1e-12)
     assert np.array_equal(mesh.tets, TETS)
     assert {name: tuple(pair) for name, pair in mesh.names.items()} == {
         "steel": (10, 3), "air": (20, 3), "inlet": (5, 2), "outlet": (6, 2), "ends": (7, 2)
@@ -152,7 +148,7 @@ def test_without_names_sets_are_called_by_number(tmp_path: Path) -> None:
     exodus(tmp_path / "a.e", "NETCDF4", named=False)
     with pytest.warns(WctWarning):
         mesh: Any = read(tmp_path / "a.e")
-    assert volumes(mesh) == pytest.approx(WANTED, rel=1e-12)
+    assert region_volumes(mesh) == pytest.approx(WANTED, rel=1e-12)
     assert set(mesh.facets.sets) == {"side set 5", "side set 6", "side set 7"}
     assert list(mesh.point_sets) == ["node set 3"]
     assert not mesh.names
@@ -164,7 +160,7 @@ def test_as_vtk_writes_it(tmp_path: Path) -> None:
     grid.save(tmp_path / "a.vtu")
     in_a_process(WRITES, tmp_path / "a.vtu", tmp_path / "a.exo")
     mesh: Any = read(tmp_path / "a.exo")
-    assert sorted(volumes(mesh).values()) == pytest.approx(sorted(WANTED.values()), rel=1e-12)
+    assert sorted(region_volumes(mesh).values()) == pytest.approx(sorted(WANTED.values()), rel=1e-12)
 
 
 def test_shells_are_a_surface(tmp_path: Path) -> None:

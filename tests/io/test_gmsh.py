@@ -8,6 +8,7 @@ from pathlib import Path
 import gmsh
 import numpy as np
 import pytest
+from support.gmsh_session import add_two_boxes, gmsh_session
 
 from wct_plugin.io import read, write
 from wct_plugin.mesh import Cells, TetMesh
@@ -16,17 +17,13 @@ from wct_plugin.pipeline.stage import apply_filter
 
 @pytest.fixture(autouse=True)
 def _session() -> Iterator[None]:
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield
-    gmsh.finalize()
+    with gmsh_session():
+        yield
 
 
 def two_boxes(path: Path, version: float, groups: dict[str, tuple[int, int, list[int]]], **options: int) -> TetMesh:
     """Two boxes that share a face, meshed and written by gmsh; groups are name -> (dimension, tag, entities)."""
-    boxes = [gmsh.model.occ.addBox(at, 0, 0, 1, 1, 1) for at in (0, 1)]
-    gmsh.model.occ.fragment([(3, boxes[0])], [(3, boxes[1])])
-    gmsh.model.occ.synchronize()
+    add_two_boxes()
     for name, (dimension, tag, entities) in groups.items():
         gmsh.model.addPhysicalGroup(dimension, entities, tag, name)
     gmsh.option.setNumber("Mesh.MeshSizeMin", 1)

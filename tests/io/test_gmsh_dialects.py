@@ -8,6 +8,8 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import two_region_cube
+from support.gmsh_session import add_two_boxes, gmsh_session
+from support.volumes import tet_volumes
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import gmsh_reader, read, write
@@ -28,17 +30,13 @@ NAMES = {name: (tag, dimension) for name, (dimension, tag, _) in GROUPS.items()}
 @pytest.fixture(scope="module", autouse=True)
 def _session() -> Iterator[None]:
     """Two boxes that share a face; the second is a body of a group by itself and of one with the first."""
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    boxes = [gmsh.model.occ.addBox(at, 0, 0, 1 + at, 1, 1) for at in (0, 1)]
-    gmsh.model.occ.fragment([(3, boxes[0])], [(3, boxes[1])])
-    gmsh.model.occ.synchronize()
-    for name, (dimension, tag, entities) in GROUPS.items():
-        gmsh.model.addPhysicalGroup(dimension, entities, tag, name)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
-    gmsh.model.mesh.generate(3)
-    yield
-    gmsh.finalize()
+    with gmsh_session():
+        add_two_boxes(2)
+        for name, (dimension, tag, entities) in GROUPS.items():
+            gmsh.model.addPhysicalGroup(dimension, entities, tag, name)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
+        gmsh.model.mesh.generate(3)
+        yield
 
 
 def written(path: Path, version: float, binary: int, **options: float) -> TetMesh:
@@ -50,13 +48,9 @@ def written(path: Path, version: float, binary: int, **options: float) -> TetMes
     return mesh
 
 
-def volumes(mesh: TetMesh) -> np.ndarray:
-    return np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]]) / 6
-
-
 def check(mesh: TetMesh, *, names: bool = True) -> None:
     """Regions, groups and what is in several, with their sizes."""
-    size = volumes(mesh)
+    size = tet_volumes(mesh)
     assert size[mesh.regions == 11].sum() == pytest.approx(1.0, rel=1e-12)
     assert size[mesh.regions == 12].sum() == pytest.approx(2.0, rel=1e-12)
     assert (size > 0).all()
@@ -100,7 +94,7 @@ def test_partitions_are_put_together(topology: int, version: float, binary: int,
     check(mesh)
     assert len(mesh.tets) == len(whole.tets)
     assert len(mesh.facets) == len(whole.facets)  # none between partitions
-    assert volumes(mesh).sum() == pytest.approx(3.0, rel=1e-12)
+    assert tet_volumes(mesh).sum() == pytest.approx(3.0, rel=1e-12)
 
 
 def test_version_4_0_in_binary(tmp_path: Path) -> None:

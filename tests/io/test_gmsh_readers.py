@@ -11,7 +11,9 @@ import pytest
 import skfem
 from netgen.read_gmsh import ReadGmsh
 from support.builders import two_region_cube
+from support.gmsh_session import gmsh_session
 from support.solvers import devsim, fipy
+from support.volumes import tet_volumes
 
 import wct_plugin as wct
 from wct_plugin.cli.main import run
@@ -54,10 +56,6 @@ def shared(mesh: TetMesh) -> TetMesh:
         tet_sets={"all": np.arange(len(mesh.tets))},
         names=dict(mesh.names) | {"all": (99, 3), "rim": (98, 2)},
     )
-
-
-def volumes(mesh: TetMesh) -> np.ndarray:
-    return np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]]) / 6
 
 
 def by_hand(path: Path) -> tuple[dict[str, list[str]], np.ndarray, list[list[int]]]:
@@ -119,7 +117,7 @@ def test_devsim(halves: TetMesh, tmp_path: Path) -> None:
             wanted = halves.points[np.unique(halves.tets[halves.regions == tag])]
             assert {tuple(point) for point in found.tolist()} == {tuple(point) for point in wanted.tolist()}
             shares = devsim.get_node_model_values(**where, name="NodeVolume")
-            assert sum(shares) == pytest.approx(volumes(halves)[halves.regions == tag].sum())
+            assert sum(shares) == pytest.approx(tet_volumes(halves)[halves.regions == tag].sum())
     finally:
         devsim.delete_device(device="d")
         devsim.delete_mesh(mesh="m")
@@ -131,7 +129,7 @@ def test_fipy(halves: TetMesh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     write(tmp_path / "a.msh", halves)
     mesh = fipy.Gmsh3D(str(tmp_path / "a.msh"))
     assert mesh.numberOfCells == len(halves.tets)
-    own = volumes(halves)
+    own = tet_volumes(halves)
     found = np.asarray(mesh.cellVolumes)
     assert found.sum() == pytest.approx(own.sum())
     for name, tag in (("steel", 11), ("air", 12)):
@@ -182,17 +180,13 @@ def test_version_and_encoding(version: str, binary: bool, halves: TetMesh, tmp_p
     head = f"$MeshFormat\n{version} {int(binary)} 8\n".encode()
     assert (tmp_path / "a.msh").read_bytes().startswith(head)
     assert (tmp_path / "c.msh").read_bytes().startswith(head)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.open(str(tmp_path / "a.msh"))
         groups = {gmsh.model.getPhysicalName(*group): group[::-1] for group in gmsh.model.getPhysicalGroups()}
         assert groups == dict(halves.names)
         assert len(gmsh.view.getTags()) == 3
         ids, flat, _ = gmsh.model.mesh.getNodes()
         assert np.array_equal(flat.reshape(-1, 3)[np.argsort(ids)], halves.points)
-    finally:
-        gmsh.finalize()
     again = read(tmp_path / "a.msh")
     assert isinstance(again, TetMesh)
     assert np.array_equal(again.points, halves.points)

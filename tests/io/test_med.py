@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 from support.builders import kuhn_cube
+from support.gmsh_session import gmsh_session
 
 import wct_plugin as wct
 from wct_plugin.mesh import Cells, TetMesh
@@ -16,10 +17,8 @@ from wct_plugin.mesh import Cells, TetMesh
 
 @pytest.fixture(autouse=True)
 def _gmsh() -> Iterator[None]:
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield
-    gmsh.finalize()
+    with gmsh_session():
+        yield
 
 
 def groups() -> dict[tuple[int, str], int]:

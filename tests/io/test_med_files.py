@@ -9,6 +9,8 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import two_region_cube
+from support.gmsh_session import add_two_boxes, gmsh_session
+from support.volumes import tet_volumes
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read
@@ -99,22 +101,16 @@ def test_fields_on_profiles(path: Path) -> None:
 
 
 def test_as_gmsh_writes_it(tmp_path: Path) -> None:
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        boxes = [gmsh.model.occ.addBox(x, 0, 0, 1 + x, 1, 1) for x in (0, 1)]
-        gmsh.model.occ.fragment([(3, boxes[0])], [(3, boxes[1])])
-        gmsh.model.occ.synchronize()
+    with gmsh_session():
+        add_two_boxes(2)
         for tag, name in ((1, "acier"), (2, "béton")):
             gmsh.model.addPhysicalGroup(3, [tag], tag, name)
         gmsh.model.addPhysicalGroup(2, [1], 7, "entrée")
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), 0.7)
         gmsh.model.mesh.generate(3)
         gmsh.write(str(tmp_path / "a.med"))
-    finally:
-        gmsh.finalize()
     mesh: Any = read(tmp_path / "a.med")
-    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
+    size = tet_volumes(mesh)
     assert sorted(size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions)) == pytest.approx(
         [1, 2], rel=1e-12
     )

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import jittered_cube, two_region_cube
+from support.gmsh_session import gmsh_session
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read, write
@@ -215,14 +216,10 @@ def test_meshio_reads_ours_and_we_what_meshio_writes(suffix: str, tmp_path: Path
 def test_gmsh_reads_what_must_stay(tmp_path: Path) -> None:
     mesh = mesh_of(tmp_path / "a.mesh", HEAD + POINTS + TETS + MMG)
     write(tmp_path / "b.mesh", mesh)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.open(str(tmp_path / "b.mesh"))
         assert len(gmsh.model.mesh.getElements(3)[1][0]) == 2
         assert len(gmsh.model.mesh.getElements(2)[1][0]) + len(gmsh.model.mesh.getElements(1)[1][0]) > 2
-    finally:
-        gmsh.finalize()
 
 
 def test_a_plane_mesh_and_other_cells_go_on_as_they_are(tmp_path: Path) -> None:

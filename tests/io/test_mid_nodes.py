@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import jittered_cube, two_region_cube
+from support.gmsh_session import gmsh_session
 from support.second_order import EDGES, cylinder, made, tens, volumes
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
@@ -103,9 +104,7 @@ def test_vtk_has_them_on_its_edges(suffix, tmp_path):
 def test_gmsh_has_them_on_its_edges(suffix, tmp_path):
     mesh = tagged()
     write(tmp_path / f"a{suffix}", mesh, order=2)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.open(str(tmp_path / f"a{suffix}"))
         tags, nodes = gmsh.model.mesh.getElementsByType(11)
         assert len(tags) == len(mesh.tets)
@@ -117,8 +116,6 @@ def test_gmsh_has_them_on_its_edges(suffix, tmp_path):
         straight = np.column_stack([1 - at.sum(axis=1), at]) @ cells[:, :4]
         assert np.allclose(cells, straight, atol=1e-7)
         assert (gmsh.model.mesh.getElementQualities(tags, "minDetJac") > 0).all()
-    finally:
-        gmsh.finalize()
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".msh", ".med"])

@@ -8,6 +8,7 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
+from support.gmsh_session import gmsh_session
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read, write
@@ -145,16 +146,12 @@ def test_data_and_sets_of_other_cells_and_points_come_back(tmp_path):
 def test_gmsh_sees_volumes_the_right_way_round(suffix, tmp_path):
     mixed().write(tmp_path / "a.vtu")
     write(tmp_path / f"b{suffix}", read(tmp_path / "a.vtu"))
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.open(str(tmp_path / f"b{suffix}"))
         for kind, count in ((4, 2), (5, 1), (6, 1), (7, 1)):
             elements = gmsh.model.mesh.getElementsByType(kind)[0]
             assert len(elements) == count
             assert (gmsh.model.mesh.getElementQualities(elements, "volume") > 0).all(), kind
-    finally:
-        gmsh.finalize()
 
 
 def test_the_layer_of_prisms(tmp_path):
@@ -232,9 +229,7 @@ def test_other_cells_of_second_order_share_mid_nodes_with_tets(kind, tmp_path):
     mesh = to_mesh(raw, FORMATS[0], [], "")
     assert len(mesh.points) == 4
     write(tmp_path / "a.msh", mesh)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.open(str(tmp_path / "a.msh"))
         assert len(gmsh.model.mesh.getNodes()[0]) == len(nodes)
         number = KINDS[kind][1]
@@ -250,5 +245,3 @@ def test_other_cells_of_second_order_share_mid_nodes_with_tets(kind, tmp_path):
                 and frozenset((i, j)) in {frozenset(edge) for edge in edges}
             )  # fmt: skip
             assert np.allclose(seen[k], 0.5 * (seen[i] + seen[j]), atol=1e-12)
-    finally:
-        gmsh.finalize()

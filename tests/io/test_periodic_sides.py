@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import kuhn_cube
+from support.gmsh_session import gmsh_session
 
 import wct_plugin as wct
 from wct_plugin.errors import WctWarning
@@ -19,9 +20,7 @@ FORMS = [("2.2", False), ("2.2", True), ("4.1", False), ("4.1", True)]
 
 def gmsh_cell(path: Path, version: str, binary: bool, turned: bool = False) -> None:
     """The unit cube by gmsh: the side x = 1 is x = 0 translated, or y = 0 is that, turned about an edge."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
         gmsh.model.occ.synchronize()
         affine = np.eye(4)
@@ -38,8 +37,6 @@ def gmsh_cell(path: Path, version: str, binary: bool, turned: bool = False) -> N
         gmsh.option.setNumber("Mesh.MshFileVersion", float(version))
         gmsh.option.setNumber("Mesh.Binary", int(binary))
         gmsh.write(str(path))
-    finally:
-        gmsh.finalize()
 
 
 def cell(tags: tuple[int, int] = (5, 6)) -> TetMesh:
@@ -83,13 +80,9 @@ def test_written_back_as_it_was(tmp_path, version, binary, tags):
 @pytest.mark.parametrize("binary", [False, True])
 def test_gmsh_reads_what_is_written(tmp_path, binary):
     write(tmp_path / "a.msh", cell(), version="4.1", binary=binary)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.open(str(tmp_path / "a.msh"))
         counts = [len(gmsh.model.mesh.getPeriodicNodes(2, tag)[1]) for _, tag in gmsh.model.getEntities(2)]
-    finally:
-        gmsh.finalize()
     assert sorted(counts) == [0, 16]
 
 

@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import bcc, kuhn_cube
+from support.volumes import region_volumes
 
 import wct_plugin as wct
 from wct_plugin.errors import OptionError, WctWarning
@@ -22,12 +23,6 @@ def halves(mesh: TetMesh, axis: int = 0) -> np.ndarray:
     """1 and 2, on either side of a plane."""
     middle = mesh.points[mesh.tets].mean(axis=1)[:, axis]
     return np.where(middle < np.median(middle), 1, 2)
-
-
-def volumes(mesh: TetMesh, values: Any) -> dict[int, float]:
-    corners = mesh.points[mesh.tets]
-    size = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
-    return {int(value): float(size[values == value].sum()) for value in np.unique(values)}
 
 
 def written(path: Path, mesh: TetMesh, **arrays: Any) -> Path:
@@ -192,13 +187,13 @@ def test_sets_that_have_each_tet_once(tmp_path: Path, caplog: pytest.LogCaptureF
     assert caplog.messages[0].endswith("two_materials.inp: regions are of sets 'MAT1', 'MAT2'")
     assert mesh.names == {"MAT1": (1, 3), "MAT2": (2, 3)}
     assert {name: len(members) for name, members in mesh.tet_sets.items()} == {"MAT1": 9, "MAT2": 5, "EB1": 14}
-    before = volumes(mesh, mesh.regions)
+    before = region_volumes(mesh, mesh.regions)
     assert before == pytest.approx({1: 0.4166666888385334, 2: 0.25000001330312005}, rel=1e-12)
     wct.write(tmp_path / "a.msh", mesh)
     again = wct.read(tmp_path / "a.msh")
     assert isinstance(again, TetMesh)
     assert again.names["MAT2"] == (2, 3)
-    assert volumes(again, again.regions) == pytest.approx(before, rel=1e-12)
+    assert region_volumes(again, again.regions) == pytest.approx(before, rel=1e-12)
 
 
 def test_sets_come_back_when_the_tets_are_made_anew(tmp_path: Path) -> None:
@@ -216,7 +211,7 @@ def test_sets_come_back_when_the_tets_are_made_anew(tmp_path: Path) -> None:
     assert set(found.cell_sets) == {"STEEL", "AIR", "WHOLE"}
     ids = np.zeros(len(made.tets), dtype=int)
     ids[found.cell_sets["STEEL"][0]], ids[found.cell_sets["AIR"][0]] = 1, 2
-    assert volumes(made, ids) == pytest.approx(volumes(mesh, half), rel=1e-9)
+    assert region_volumes(made, ids) == pytest.approx(region_volumes(mesh, half), rel=1e-9)
     assert len(found.cell_sets["WHOLE"][0]) == len(made.tets)
 
 

@@ -8,6 +8,8 @@ import gmsh
 import numpy as np
 import pytest
 from support.builders import two_region_cube
+from support.gmsh_session import add_two_boxes, gmsh_session
+from support.volumes import region_volumes
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read
@@ -18,28 +20,17 @@ POINTS = CUBE.points * [1 / 3, 1.1, np.pi]
 ENDS = CUBE.topology.boundary[(CUBE.points[CUBE.topology.boundary, 0] == 0).all(axis=1)]
 
 
-def volumes(mesh: TetMesh) -> dict[int, float]:
-    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
-    return {tag: size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions).tolist()}
-
-
 @pytest.fixture
 def boxes() -> Iterator[None]:
     """Two boxes of volume 1 and 2 in gmsh, with groups of volumes and of a face."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        made = [gmsh.model.occ.addBox(x, 0, 0, 1 + x, 1, 1) for x in (0, 1)]
-        gmsh.model.occ.fragment([(3, made[0])], [(3, made[1])])
-        gmsh.model.occ.synchronize()
+    with gmsh_session():
+        add_two_boxes(2)
         for tag, name in ((1, "steel"), (2, "air")):
             gmsh.model.addPhysicalGroup(3, [tag], tag + 10, name)
         gmsh.model.addPhysicalGroup(2, [1], 7, "inlet")
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), 0.7)
         gmsh.model.mesh.generate(3)
         yield
-    finally:
-        gmsh.finalize()
 
 
 @pytest.mark.parametrize("nodes", [0, 1])
@@ -49,7 +40,7 @@ def test_as_gmsh_writes_it(nodes: int, boxes: None, tmp_path: Path) -> None:
     gmsh.write(str(tmp_path / "a.unv"))
     mesh = read(tmp_path / "a.unv")
     assert isinstance(mesh, TetMesh)
-    assert volumes(mesh) == pytest.approx({11: 1, 12: 2}, rel=1e-12)
+    assert region_volumes(mesh) == pytest.approx({11: 1, 12: 2}, rel=1e-12)
     assert {name: tuple(pair) for name, pair in mesh.names.items()} == {
         "steel": (11, 3),
         "air": (12, 3),

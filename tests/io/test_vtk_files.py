@@ -8,17 +8,13 @@ import numpy as np
 import pytest
 import pyvista as pv
 from support.builders import two_region_cube
+from support.volumes import region_volumes
 from vtkmodules.vtkIOParallelXML import vtkXMLPUnstructuredGridWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-
-
-def volumes(mesh: TetMesh) -> Any:
-    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
-    return {tag: size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions).tolist()}
 
 
 @pytest.fixture
@@ -166,7 +162,7 @@ def joined_equals(mesh: Any, grid: pv.UnstructuredGrid) -> None:
     assert np.allclose(table(mesh.points, mesh.tets, mesh.regions, mesh.cell_data["heat"]), wanted, rtol=0, atol=1e-15)
     assert np.array_equal(mesh.point_data["u"], mesh.points * 2)
     whole = pv.UnstructuredGrid({10: grid.cells_dict[10]}, grid.points)
-    assert sum(volumes(mesh).values()) == pytest.approx(whole.volume, rel=1e-12)
+    assert sum(region_volumes(mesh).values()) == pytest.approx(whole.volume, rel=1e-12)
     assert len(mesh.facets) == (~tets).sum()
     assert set(mesh.facets.tags.tolist()) == {7}
 

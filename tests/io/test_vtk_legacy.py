@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 import pyvista as pv
 from support.builders import two_region_cube
+from support.gmsh_session import add_two_boxes, gmsh_session
+from support.volumes import tet_volumes
+from support.vtk_writing import write_legacy
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
 
 from wct_plugin.errors import InputError, WctWarning
@@ -42,12 +45,7 @@ def test_as_vtk_writes_it(version: int, binary: bool, grid: pv.UnstructuredGrid,
     grid.GetCellData().SetActiveScalars("cell_tags")
     grid.point_data["ids"] = np.arange(grid.n_points)
     grid.GetPointData().SetActiveGlobalIds("ids")
-    writer = vtkUnstructuredGridWriter()
-    writer.SetInputData(grid)
-    writer.SetFileName(str(tmp_path / "a.vtk"))
-    writer.SetFileVersion(version)
-    (writer.SetFileTypeToBinary if binary else writer.SetFileTypeToASCII)()
-    assert writer.Write()
+    write_legacy(vtkUnstructuredGridWriter(), grid, tmp_path / "a.vtk", version=version, binary=binary)
     with pytest.warns(WctWarning, match="not read: field data 'TimeValue', cell data 'words', which is text$"):
         mesh = read(tmp_path / "a.vtk")
     assert isinstance(mesh, TetMesh)
@@ -66,23 +64,17 @@ def test_as_vtk_writes_it(version: int, binary: bool, grid: pv.UnstructuredGrid,
 
 @pytest.mark.parametrize("binary", [0, 1])
 def test_as_gmsh_writes_it(binary: int, tmp_path: Path) -> None:
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         gmsh.option.setNumber("Mesh.Binary", binary)
-        boxes = [gmsh.model.occ.addBox(x, 0, 0, 1, 1, 1) for x in (0, 1)]
-        gmsh.model.occ.fragment([(3, boxes[0])], [(3, boxes[1])])
-        gmsh.model.occ.synchronize()
+        add_two_boxes()
         for tag in (1, 2):
             gmsh.model.addPhysicalGroup(3, [tag], tag)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), 0.7)
         gmsh.model.mesh.generate(3)
         gmsh.write(str(tmp_path / "a.vtk"))
-    finally:
-        gmsh.finalize()
     mesh: Any = read(tmp_path / "a.vtk")
     ids = mesh.cell_data["CellEntityIds"].ravel() if "CellEntityIds" in mesh.cell_data else mesh.regions
-    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
+    size = tet_volumes(mesh)
     assert np.bincount(ids, size)[1:].tolist() == pytest.approx([1, 1], rel=1e-12)
 
 
@@ -91,12 +83,7 @@ def test_as_gmsh_writes_it(binary: int, tmp_path: Path) -> None:
 def test_polygons(version: int, binary: bool, tmp_path: Path) -> None:
     cube = pv.Cube()
     cube.cell_data["side"] = np.arange(6)
-    writer = vtkPolyDataWriter()
-    writer.SetInputData(cube)
-    writer.SetFileName(str(tmp_path / "a.vtk"))
-    writer.SetFileVersion(version)
-    (writer.SetFileTypeToBinary if binary else writer.SetFileTypeToASCII)()
-    assert writer.Write()
+    write_legacy(vtkPolyDataWriter(), cube, tmp_path / "a.vtk", version=version, binary=binary)
     with pytest.warns(WctWarning, match="6 quads split into triangles$"):
         surface = read(tmp_path / "a.vtk")
     assert isinstance(surface, SurfaceMesh)

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from support.builders import two_region_cube
+from support.volumes import region_volumes
 
 from wct_plugin.errors import InputError, WctWarning
 from wct_plugin.io import read
@@ -57,17 +58,12 @@ def xdmf(path: Path, inside: str, version: str = "3.0") -> None:
     path.write_text(f'{HEAD}<Xdmf Version="{version}" {xi}><Domain>{inside}</Domain></Xdmf>')
 
 
-def volumes(mesh: TetMesh) -> dict[int, float]:
-    size = np.abs(np.linalg.det(mesh.points[mesh.tets[:, 1:]] - mesh.points[mesh.tets[:, :1]])) / 6
-    return {tag: size[mesh.regions == tag].sum() for tag in np.unique(mesh.regions).tolist()}
-
-
-WANTED = {tag + 10: share * np.pi * 1.1 / 3 for tag, share in volumes(CUBE).items()}
+WANTED = {tag + 10: share * np.pi * 1.1 / 3 for tag, share in region_volumes(CUBE).items()}
 
 
 def assert_regions(mesh: Any) -> None:
     assert isinstance(mesh, TetMesh)
-    assert volumes(mesh) == pytest.approx(WANTED, rel=1e-12)
+    assert region_volumes(mesh) == pytest.approx(WANTED, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from typing import Any
 
 import gmsh
 import numpy as np
+from support.gmsh_session import gmsh_session
 
 from wct_plugin.io import read
 from wct_plugin.measure.opening_angles import wedge_angles
@@ -107,17 +108,13 @@ def random_body(folder: Path, seed: int) -> TetMesh:
 
 def _mesh_of(folder: Path, model: Callable[[], None], size: float) -> TetMesh:
     """The groups of a gmsh ``model``, with edges of one ``size``, as a .msh file brings them."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         model()
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.MeshSizeMin", size)
         gmsh.model.mesh.generate(3)
         gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
         gmsh.write(str(folder / "body.msh"))
-    finally:
-        gmsh.finalize()
     mesh = read(str(folder / "body.msh"))
     assert isinstance(mesh, TetMesh)
     return mesh

@@ -8,6 +8,7 @@ import gmsh
 import meshio
 import numpy as np
 from numpy.typing import NDArray
+from support.gmsh_session import gmsh_session
 
 #: Ends of the edges with mid nodes, as VTK has them.
 EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
@@ -15,9 +16,7 @@ EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 
 def made(path: Path, build: Callable[[], None], size: float, order: int = 2) -> Path:
     """Mesh what ``build`` makes with OpenCASCADE, all volumes and surfaces in groups."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with gmsh_session():
         build()
         gmsh.model.occ.synchronize()
         for dimension, tag in gmsh.model.getEntities():
@@ -29,8 +28,6 @@ def made(path: Path, build: Callable[[], None], size: float, order: int = 2) -> 
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
         gmsh.write(str(path))
-    finally:
-        gmsh.finalize()
     return path
 
 

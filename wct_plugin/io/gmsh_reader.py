@@ -97,7 +97,7 @@ def _take(section: Section, form: Format, file: GmshFile) -> None:
                 _names(section.text, file)
             case "NodeData" | "ElementData":
                 gmsh_data.take(section, form, file)
-            case "Periodic" if form.version == "4.0" and not form.binary:
+            case "Periodic" if form.version in ("4", "4.0") and not form.binary:
                 gmsh_v2.text_periodic(section, form, file)
             case name if form.major == 4 and name in gmsh_v4.READERS:
                 real = name != "Elements"
