@@ -257,6 +257,17 @@ def test_tetgen_regions_and_markers(tmp_path: Path) -> None:
     assert mesh.point_data["tetgen:attr1"].tolist() == [0.5, 0.25, 0.125, 1]
 
 
+def test_fractions_are_no_tags(tmp_path: Path) -> None:
+    """Under the name of tags or as attributes of TetGen's tets they are data."""
+    points, tets = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]), [[0, 1, 2, 3], [1, 2, 3, 4]]
+    meshio.vtu.write(tmp_path / "a.vtu", meshio.Mesh(points, [("tetra", tets)], cell_data={"cell_tags": [[0.5, 1.5]]}))
+    (tmp_path / "a.node").write_text("5\t3\n" + "".join(f"{k} {x} {y} {z}\n" for k, (x, y, z) in enumerate(points)))
+    (tmp_path / "a.ele").write_text("2 4 2\n0 0 1 2 3 0.5 7\n\n# then\n1 1 2 3 4 1.5 8\n")
+    for file, name in (("a.vtu", "cell_tags"), ("a.ele", "tetgen:attr1")):
+        assert read(tmp_path / file).cell_data[name].tolist() == [0.5, 1.5]
+    assert read(tmp_path / "a.ele").cell_data["tetgen:ref2"].tolist() == [7, 8]
+
+
 def test_tetgen_faces_beside(tmp_path: Path) -> None:
     """Numbered from 1, with comments, and a row of marker 0 for a triangle that is no facet of the input."""
     (tmp_path / "a.node").write_text("4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n")

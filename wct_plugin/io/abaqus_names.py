@@ -9,6 +9,7 @@ import re
 import numpy as np
 
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import decoded
 
 #: What the names of sets begin with that hold the elements of a type.
 TYPE_SET = "abaqus:"
@@ -42,7 +43,7 @@ def tag_comment(name: str, tag: int, dimension: int, *, is_set: bool) -> str:
 def put_tags(raw: RawMesh, text: bytes) -> None:
     """Tell the mesh which of its sets stand for tags, and what these are called."""
     for tag, dimension, what, name in _TAG.findall(text):
-        called = name.decode("utf-8", "replace")
+        called = decoded(name)
         raw.field_data[called] = np.array([int(tag), int(dimension)])
         raw.tag_sets[called] = what == b"elset and set"
 

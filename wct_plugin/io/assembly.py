@@ -206,10 +206,11 @@ def _take_tags(kinds: dict[str, _Kind], names: tuple[str, ...], regions: region_
     for name in reversed(names):
         columns = [kind.data[name] for kind in kinds.values() if name in kind.data]
         # Zero is no tag; and every cell of a gmsh file has an entity, whether there is more than one or not.
-        says = any((column != column[0] if name == ENTITIES else column).any() for column in columns)
+        said = [column != column[0] if name == ENTITIES else (column != 0) & (column == column) for column in columns]
+        says = any(column.any() for column in said)
         if says and all(_whole(column).dtype.kind in "iu" for column in columns):
             chosen = name
-        elif columns:
+        elif not says:  # fractions stay data
             for kind in kinds.values():
                 kind.data.pop(name, None)
     for kind in kinds.values():

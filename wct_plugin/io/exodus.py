@@ -10,7 +10,7 @@ from wct_plugin.errors import InputError
 from wct_plugin.io import netcdf
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.netcdf import Variables
-from wct_plugin.io.node_orders import from_exodus
+from wct_plugin.io.node_orders import from_sides_first
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 _WANTED = (
@@ -116,7 +116,7 @@ def _blocks(raw: RawMesh, found: Variables, tags: list[NDArray[Any]]) -> None:
         if key not in _KINDS:
             raise InputError(f"block {ids[number - 1]} has cells of type {given!r} with {cells.shape[-1]} points")
         kind, dimension = _KINDS[key]
-        raw.cells.append(RawBlock(kind, from_exodus(kind, cells.astype(np.int64) - 1)))
+        raw.cells.append(RawBlock(kind, from_sides_first(kind, cells.astype(np.int64) - 1)))
         tags.append(np.full(len(cells), ids[number - 1]))
         _name(raw, names[number - 1], ids[number - 1], dimension)
 

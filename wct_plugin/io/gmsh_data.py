@@ -5,7 +5,7 @@ import re
 from wct_plugin.errors import InputError
 from wct_plugin.io.gmsh_file import Format, GmshFile, Section
 from wct_plugin.io.number_streams import NumberStream, TextNumbers
-from wct_plugin.io.text_lines import shown, whole_number
+from wct_plugin.io.text_lines import decoded, shown, whole_number
 
 #: So many texts, numbers or columns may be announced; gmsh has 9 at most.
 _MOST = 1000
@@ -22,7 +22,7 @@ def take(section: Section, form: Format, file: GmshFile) -> None:
     whole = [whole_number(head.line(), "the number") for _ in range(head.count())]
     if not strings or len(whole) < 3 or not 0 < whole[1] <= _MOST:
         raise InputError("has no name, or no numbers of columns and rows")
-    name = strings[0].strip().strip(b'"').decode("utf-8", "replace")
+    name = decoded(strings[0].strip().strip(b'"'))
     columns, count = whole[1:3]
     stream: NumberStream
     if form.binary:

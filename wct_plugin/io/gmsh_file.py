@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io.gmsh_kinds import in_order, kind_of
+from wct_plugin.io.gmsh_kinds import kind_of
 from wct_plugin.io.id_rows import IdRows
+from wct_plugin.io.node_orders import from_gmsh
 from wct_plugin.io.number_streams import BinaryNumbers
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.types import Floats, Ints
@@ -90,7 +91,7 @@ class GmshFile:
             kind = kind_of(number)
             nodes = np.concatenate([one.nodes for one in parts])
             ids.append(np.concatenate([one.ids for one in parts]))
-            raw.cells.append(RawBlock(kind.name, in_order(kind, rows.of(nodes, "an element"))))
+            raw.cells.append(RawBlock(kind.name, from_gmsh(kind.name, rows.of(nodes, "an element"))))
             columns[GROUPS].append(np.concatenate([one.groups for one in parts]))
             columns[ENTITIES].append(np.concatenate([one.entities for one in parts]))
         raw.cell_data.update(columns)

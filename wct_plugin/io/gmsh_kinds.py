@@ -1,11 +1,8 @@
-"""gmsh's kinds of cells by its numbers, and the order of their nodes in VTK's, which is meshio's."""
+"""gmsh's kinds of cells by its numbers."""
 
 from typing import NamedTuple
 
-import numpy as np
-
 from wct_plugin.errors import InputError
-from wct_plugin.types import Ints
 
 
 class Kind(NamedTuple):
@@ -13,14 +10,7 @@ class Kind(NamedTuple):
 
     name: str  #: meshio's
     nodes: int
-    order: tuple[int, ...] = ()  #: which of gmsh's nodes is each of VTK's; empty where they agree
 
-
-_TET10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
-_HEX20 = (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15)
-_HEX27 = (*_HEX20, 22, 23, 21, 24, 20, 25, 26)
-_WEDGE15 = (0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11)
-_PYRAMID13 = (0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12)
 
 KINDS = {
     1: Kind("line", 2),
@@ -33,15 +23,15 @@ KINDS = {
     8: Kind("line3", 3),
     9: Kind("triangle6", 6),
     10: Kind("quad9", 9),
-    11: Kind("tetra10", 10, _TET10),
-    12: Kind("hexahedron27", 27, _HEX27),
+    11: Kind("tetra10", 10),
+    12: Kind("hexahedron27", 27),
     13: Kind("wedge18", 18),
     14: Kind("pyramid14", 14),
     15: Kind("vertex", 1),
     16: Kind("quad8", 8),
-    17: Kind("hexahedron20", 20, _HEX20),
-    18: Kind("wedge15", 15, _WEDGE15),
-    19: Kind("pyramid13", 13, _PYRAMID13),
+    17: Kind("hexahedron20", 20),
+    18: Kind("wedge15", 15),
+    19: Kind("pyramid13", 13),
     21: Kind("triangle10", 10),
     23: Kind("triangle15", 15),
     25: Kind("triangle21", 21),
@@ -66,8 +56,3 @@ def kind_of(number: int) -> Kind:
     if number not in KINDS:
         raise InputError(f"has elements of type {number}, which is none of gmsh's that are known")
     return KINDS[number]
-
-
-def in_order(kind: Kind, nodes: Ints) -> Ints:
-    """Cells (k, d) of gmsh's in VTK's order."""
-    return nodes[:, list(kind.order)] if kind.order else np.ascontiguousarray(nodes)

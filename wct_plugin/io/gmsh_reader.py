@@ -15,7 +15,7 @@ from wct_plugin.io import gmsh_data, gmsh_v2, gmsh_v4
 from wct_plugin.io.gmsh_file import Format, GmshFile, Section
 from wct_plugin.io.number_streams import BinaryNumbers, TextNumbers
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import shown
+from wct_plugin.io.text_lines import decoded, shown
 
 _VERSIONS = {"1": 1, "2": 2, "2.0": 2, "2.1": 2, "2.2": 2, "4": 4, "4.0": 4, "4.1": 4}
 #: Sections that have nothing of the mesh.
@@ -120,7 +120,7 @@ def _names(text: bytes, file: GmshFile) -> None:
         found = _NAME.fullmatch(line)
         if not found:
             raise InputError(f"has the line {shown(line)}; expected dimension, number and a name in quotes")
-        dimension, tag, name = int(found[1]), int(found[2]), found[3].decode("utf-8", "replace")
+        dimension, tag, name = int(found[1]), int(found[2]), decoded(found[3])
         if name in file.names:
             file.lost.append(f"name {name!r} of group {tag} of dimension {dimension}, as another group has it")
             continue

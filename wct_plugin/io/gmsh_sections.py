@@ -7,13 +7,11 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.io import gmsh_kinds
+from wct_plugin.mesh import cell_kinds
+
 #: Dimension and gmsh's number of each kind of cell.
-KINDS = {
-    "vertex": (0, 15), "line": (1, 1), "triangle": (2, 2), "tetra": (3, 4),
-    "quad": (2, 3), "hexahedron": (3, 5), "wedge": (3, 6), "pyramid": (3, 7),
-    "line3": (1, 8), "triangle6": (2, 9), "tetra10": (3, 11), "quad8": (2, 16), "quad9": (2, 10),
-    "hexahedron20": (3, 17), "hexahedron27": (3, 12), "wedge15": (3, 18), "pyramid13": (3, 19),
-}  # fmt: skip
+KINDS = {kind.name: (cell_kinds.dimension(kind.name), number) for number, kind in gmsh_kinds.KINDS.items()}
 #: Arrays that stand in the file as groups and entities, not as data.
 OWN = ("gmsh:physical", "gmsh:geometrical")
 

@@ -13,24 +13,12 @@ import numpy as np
 
 from wct_plugin.io import hdf5
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import decoded
+from wct_plugin.mesh import cell_kinds
 from wct_plugin.types import Ints
 
 #: The array of tags.
 TAGS = "cell_tags"
-#: Dimensions of kinds of cells; that of others is 3.
-DIMENSIONS = {
-    "vertex": 0,
-    "line": 1,
-    "line3": 1,
-    "line4": 1,
-    "triangle": 2,
-    "triangle6": 2,
-    "triangle7": 2,
-    "quad": 2,
-    "quad8": 2,
-    "quad9": 2,
-    "polygon": 2,
-}
 #: Bytes that the name of a group may have.
 LONGEST = 80
 _OURS = re.compile(r"(\d)D_TAG(-?\d+)(_NAME)?(_SET)?_-?\d+")
@@ -64,6 +52,12 @@ def _nameless(dimension: int | None, tag: int) -> str:
     return f"G_{dimension}D_{tag}"
 
 
+def dimension_of(kind: str) -> int:
+    """The dimension of MED's cells of a kind; 3 of those that are not known otherwise."""
+    known = cell_kinds.dimension(kind)
+    return known if known >= 0 else 2 if kind == "polygon" else 3
+
+
 def fits(name: str) -> bool:
     """Whether a group can have this name."""
     return name.strip() == name and 0 < len(name.encode()) <= LONGEST and "\0" not in name
@@ -88,11 +82,7 @@ def read(families: Any) -> dict[int, Family]:
 
 def _text(row: Any) -> str:
     """A name as MED holds it: bytes up to the first zero, in UTF-8, or else as older programs wrote it."""
-    data = np.asarray(row).astype(np.int8).tobytes().split(b"\0")[0]
-    try:
-        return data.decode().strip()
-    except UnicodeDecodeError:
-        return data.decode("latin-1").strip()
+    return decoded(np.asarray(row).astype(np.int8).tobytes().split(b"\0")[0]).strip()
 
 
 def put_cells(raw: RawMesh, families: Mapping[int, Family]) -> None:
@@ -109,7 +99,7 @@ def put_cells(raw: RawMesh, families: Mapping[int, Family]) -> None:
     for one in families.values():
         if one.name and one.dimension is not None:
             raw.field_data[one.name] = np.array([one.tag, one.dimension])
-    dimensions = [DIMENSIONS.get(block.type, 3) for block in raw.cells]
+    dimensions = [dimension_of(block.type) for block in raw.cells]
     for dimension in sorted(set(dimensions), reverse=True):
         there = {n for d, column in zip(dimensions, numbers, strict=True) if d == dimension for n in column.tolist()}
         mine = [families[number] for number in sorted(there, reverse=True) if number in families]

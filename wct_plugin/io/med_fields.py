@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io import hdf5
 from wct_plugin.io.raw_mesh import RawMesh
+from wct_plugin.io.text_lines import decoded
 
 _WHOLE = "MED_NO_PROFILE_INTERNAL"
 
@@ -16,7 +17,7 @@ def put(raw: RawMesh, kinds: list[str], file: Any, mesh: str, lost: list[str]) -
     """Give the mesh its fields as arrays; ``kinds`` are MED's names of its blocks, ``lost`` grows by other fields."""
     for name, group in hdf5.children(file.get("CHA", {})):
         of = group.attrs.get("MAI", mesh)
-        if (of if isinstance(of, str) else bytes(of).decode("utf-8", "replace")).strip("\0 ") != mesh:
+        if (of if isinstance(of, str) else decoded(bytes(of))).strip("\0 ") != mesh:
             lost.append(f"field {name!r}, which is of another mesh")
         else:
             _put_steps(raw, kinds, name, group, file.get("PROFILS", {}), lost)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.io import med_families
 from wct_plugin.io.med import KINDS
-from wct_plugin.io.med_families import DIMENSIONS, Family
+from wct_plugin.io.med_families import Family
 from wct_plugin.types import Floats, Ints
 
 _MED = {kind: med for med, kind in KINDS.items()}
@@ -114,7 +114,7 @@ def _put_cell_families(
     made: list[Family] = []
     free = _free_numbers(tags)
     for k, (kind, _) in enumerate(cells):
-        dimension = DIMENSIONS.get(kind, 3)
+        dimension = med_families.dimension_of(kind)
         own = {name: members[k] for name, members in sets.items() if len(members[k]) or _is_of(members, k)}
         for tag, groups, members in med_families.combined(tags[k], own):
             one = Family(free(tag), tag, called.get((tag, dimension), ""), groups, dimension)

@@ -11,6 +11,7 @@ from wct_plugin.io.companions import folder_of
 from wct_plugin.io.id_rows import IdRows
 from wct_plugin.io.included_files import Included
 from wct_plugin.io.nastran_cards import Cards, cards
+from wct_plugin.io.node_orders import from_sides_first
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.text_lines import Lines, decoded
 from wct_plugin.types import Ints
@@ -19,9 +20,6 @@ PROPERTIES = "nastran:ref"
 
 #: Where in the file some elements of a kind are, their cells and their properties.
 _Cells = tuple[Ints, Ints, Ints]
-
-_HEX20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)
-_WEDGE15 = (*range(9), 12, 13, 14, 9, 10, 11)
 
 
 @dataclass(frozen=True)
@@ -32,7 +30,6 @@ class _Element:
     corners: int
     higher: str = ""
     nodes: int = 0
-    order: tuple[int, ...] = ()  #: which of the card's nodes is each of VTK's, with those on the edges
     property: bool = True  #: whether the number of a property stands before the nodes
 
 
@@ -42,8 +39,8 @@ _BARS, _RODS = _Element("line", 2), _Element("line", 2, property=False)
 _TRIANGLES, _QUADS = _Element("triangle", 3), _Element("quad", 4)
 _ELEMENTS = {
     "CTETRA": _TETS, "CPYRAM": _PYRAMIDS, "CPYRA": _PYRAMIDS,
-    "CPENTA": _Element("wedge", 6, "wedge15", 15, _WEDGE15),
-    "CHEXA": _Element("hexahedron", 8, "hexahedron20", 20, _HEX20),
+    "CPENTA": _Element("wedge", 6, "wedge15", 15),
+    "CHEXA": _Element("hexahedron", 8, "hexahedron20", 20),
     "CTRIA3": _TRIANGLES, "CTRIAR": _TRIANGLES, "CQUAD4": _QUADS, "CQUADR": _QUADS, "CSHEAR": _QUADS,
     "CTRIA6": _Element("triangle", 3, "triangle6", 6), "CQUAD8": _Element("quad", 4, "quad8", 8),
     "CBAR": _BARS, "CBEAM": _BARS, "CROD": _BARS, "CTUBE": _BARS, "CONROD": _RODS, "PLOTEL": _RODS,
@@ -152,13 +149,12 @@ def _put_cells(group: Cards, nodes: IdRows, found: dict[str, list[_Cells]]) -> i
         raise InputError(f"has {group.name} {bare.whole(0, 1)[0, 0]} with fewer than {element.corners} nodes")
     there = filled[:, corners:last].sum(axis=1)
     higher = (there == last - corners) & (last > corners)
-    for part, kind, end, order in (
-        (group.select(~higher), element.kind, corners, ()),
-        (group.select(higher), element.higher, last, element.order),
+    for part, kind, end in (
+        (group.select(~higher), element.kind, corners),
+        (group.select(higher), element.higher, last),
     ):
         if len(part):
-            cells = nodes.of(part.whole(start, end), f"a {group.name}")
-            cells = cells[:, list(order)] if order else cells
+            cells = from_sides_first(kind, nodes.of(part.whole(start, end), f"a {group.name}"))
             tags = part.whole(1, 2)[:, 0] if element.property else np.zeros(len(part), dtype=np.int64)
             found.setdefault(kind, []).append((part.lines, cells, tags))
     return int(((there > 0) & ~higher).sum())

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import hdf5
+from wct_plugin.io.text_lines import decoded
 
 
 class Variables(dict[str, NDArray[Any]]):
@@ -28,7 +29,7 @@ class Variables(dict[str, NDArray[Any]]):
 
 
 def _text(content: bytes) -> str:
-    return content.partition(b"\0")[0].decode("utf-8", "replace").strip()
+    return decoded(content.partition(b"\0")[0]).strip()
 
 
 def read(path: Path, wanted: tuple[str, ...]) -> Variables:

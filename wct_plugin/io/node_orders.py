@@ -20,8 +20,8 @@ _MED = {
 }  # fmt: skip
 #: VTK's linear wedge is mirrored, as its quadratic one and all others' are not.
 _VTK = {"wedge": [0, 2, 1, 3, 5, 4]}
-#: Exodus: the edges between bottom and top before those of the top; VTK's node k is Exodus's of the same row.
-_EXODUS = {
+#: Exodus and Nastran: the edges between bottom and top before those of the top; which of their nodes is each of VTK's.
+_SIDES_FIRST = {
     "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
     "hexahedron27": [*range(12), *range(16, 20), *range(12, 16), 23, 24, 25, 26, 21, 22, 20],
     "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
@@ -33,14 +33,19 @@ def in_vtk(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
     return cells[:, _VTK[kind]] if kind in _VTK else cells
 
 
-def from_exodus(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells (k, d) of an Exodus file with their nodes as meshio counts them."""
-    return cells[:, _EXODUS[kind]] if kind in _EXODUS else cells
+def from_sides_first(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (k, d) of an Exodus or Nastran file with their nodes as meshio counts them."""
+    return cells[:, _SIDES_FIRST[kind]] if kind in _SIDES_FIRST else cells
 
 
 def in_gmsh(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Cells (k, d) with their nodes as gmsh counts them."""
     return cells[:, _GMSH[kind]] if kind in _GMSH else cells
+
+
+def from_gmsh(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (k, d) of a gmsh file with their nodes as meshio counts them."""
+    return cells[:, np.argsort(_GMSH[kind])] if kind in _GMSH else np.ascontiguousarray(cells)
 
 
 def in_med(kind: str, cells: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -8,7 +8,7 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.io import vtk_cells
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import columns_of_rows, number_rows
+from wct_plugin.io.text_lines import columns_of_rows, number_rows, shown
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.types import Ints
 
@@ -60,8 +60,7 @@ def _refuse_line(text: bytes) -> None:
         except ValueError:
             good = False
         if not good:
-            said = line.strip()[:60].decode("utf-8", "replace")
-            raise InputError(f"line {number} is {said!r}; expected 'v x y z' or 'f a b c'")
+            raise InputError(f"line {number} is {shown(line.strip(), 60)}; expected 'v x y z' or 'f a b c'")
 
 
 def write(path: Path, surface: SurfaceMesh) -> None:

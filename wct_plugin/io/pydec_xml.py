@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io.companions import companion
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
-from wct_plugin.io.text_lines import numbers_of_type
+from wct_plugin.io.text_lines import numbers_of_type, shown
 
 _KINDS = {2: "line", 3: "triangle", 4: "tetra"}
 #: What the elements are called: of old, and by newer versions.
@@ -38,9 +38,7 @@ def _array(path: Path, element: ET.Element | None, key: str) -> NDArray[Any]:
     name = element.get("name", "")
     first, _, rest = companion(path, name).read_bytes().partition(b"\n")
     if not first.strip().isdigit():
-        raise InputError(
-            f"{name} begins with {first[:40].decode('ascii', 'replace')!r}; expected the number of its keys"
-        )
+        raise InputError(f"{name} begins with {shown(first)}; expected the number of its keys")
     *lines, body = rest.split(b"\n", int(first)) if int(first) < 100 else [rest]
     head = dict(line.decode("ascii", "replace").strip().split("=", 1) for line in lines if b"=" in line)
     shape = tuple(int(size) for size in head.get("dims", "").split(",") if size.strip())

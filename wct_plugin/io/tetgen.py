@@ -42,7 +42,9 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
         raise InputError(f"{tets.name} has tets of {corners} points; allowed is 4")
     table = tets.table(5 + attributes, lost)
     raw.cells.append(RawBlock("tetra", whole_numbers(table[:, 1:5]) - first))
-    raw.cell_data = {name: [table[:, 5 + k]] for k, name in enumerate(_markers(attributes))}
+    for k, name in enumerate(_markers(attributes)):  # a fraction is an attribute, no number of a region
+        values = table[:, 5 + k]
+        raw.cell_data[name if (values == np.rint(values)).all() else f"{_ATTRIBUTE}{k + 1}"] = [values]
     if path.with_suffix(".face").exists():
         _put_facets(raw, _Rows(path.with_suffix(".face")), first, lost)
     return raw, lost

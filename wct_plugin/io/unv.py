@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io.id_rows import IdRows
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.text_lines import Number, columns_of_rows, number_rows, whole_numbers
 from wct_plugin.io.unv_cells import Cells, cells_of
@@ -40,29 +41,11 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
             lost.append(f"dataset {number}")
     if not points or not cells:
         raise InputError("has no points or no cells in the datasets 15, 781, 2411, 780 and 2412")
-    rows = _Rows(np.concatenate(labels))
-    raw = RawMesh(np.concatenate(points), [block.raw(rows.of(block.corners.ravel())) for block in cells])
-    put_groups(raw, cells, groups, rows.labels, lost)
+    numbers = np.concatenate(labels)
+    rows = IdRows(numbers, "point")
+    raw = RawMesh(np.concatenate(points), [block.raw(rows) for block in cells])
+    put_groups(raw, cells, groups, numbers, lost)
     return raw, list(dict.fromkeys(lost))
-
-
-class _Rows:
-    """Labels of points, and where each is."""
-
-    def __init__(self, labels: NDArray[np.int64]) -> None:
-        self.labels, self._order = labels, np.argsort(labels, kind="stable")
-        self._sorted = labels[self._order]
-        again = np.flatnonzero(np.diff(self._sorted) == 0)
-        if len(again):
-            raise InputError(f"has point {self._sorted[again[0]]} twice")
-
-    def of(self, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The rows of these labels."""
-        place = np.minimum(np.searchsorted(self._sorted, wanted), len(self._sorted) - 1)
-        unknown = np.flatnonzero(self._sorted[place] != wanted)
-        if len(unknown):
-            raise InputError(f"has a cell with the point {wanted[unknown[0]]}, which is not in the file")
-        return self._order[place]
 
 
 def _datasets(data: bytes) -> list[tuple[str, list[bytes]]]:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io.id_rows import IdRows
 from wct_plugin.io.raw_mesh import RawBlock
 from wct_plugin.io.record_runs import runs
 from wct_plugin.io.text_lines import numbers
@@ -43,9 +44,9 @@ class Cells:
     corners: NDArray[np.int64]
     numbers: NDArray[np.int64]  #: (k, 2)
 
-    def raw(self, rows: NDArray[np.int64]) -> RawBlock:
+    def raw(self, rows: IdRows) -> RawBlock:
         """The block, its points as rows."""
-        return RawBlock(self.kind, rows.reshape(self.corners.shape))
+        return RawBlock(self.kind, rows.of(self.corners, "a cell"))
 
 
 def cells_of(lines: list[bytes], lost: list[str], *, old: bool) -> list[Cells]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io.assembly import NAME
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import numbers
+from wct_plugin.io.text_lines import decoded, numbers
 from wct_plugin.io.unv_cells import Cells
 
 _TAGS = "cell_tags"
@@ -35,7 +35,7 @@ def groups_of(lines: list[bytes], width: int) -> list[Group]:
         if len(head) < 2 or at + 1 >= len(lines):
             raise InputError("ends within a group")
         count = int(head[-1])
-        name = lines[at + 1].strip().decode("utf-8", "replace") or f"group {head[0]}"
+        name = decoded(lines[at + 1].strip()) or f"group {head[0]}"
         end = at + 2 - (-count * width // 8)
         flat = numbers(b" ".join(lines[at + 2 : end]), np.int64)
         if len(flat) != count * width:

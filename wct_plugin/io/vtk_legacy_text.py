@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io.text_lines import numbers_of_type
+from wct_plugin.io.text_lines import decoded, numbers_of_type
 
 #: Types by their names; binary files keep an id in 4 bytes, whatever VTK has in memory.
 _TYPES = {
@@ -38,7 +38,7 @@ class Source:
         self.at = end + 1
         if len(line) > 10000:
             raise InputError("has bytes where a line of text is expected")
-        return line.decode("utf-8", "replace")
+        return decoded(line)
 
     def line(self) -> list[str]:
         """The words of the next line that has any; none at the end."""
