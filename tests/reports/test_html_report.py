@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from support.browser import SCREENS, laid_out
-from support.builders import ball, bcc, jittered_cube, shaken_cube, single
+from support.builders import ball, bcc, jittered_cube, shaken_cube, single, two_region_cube
 
 import wct_plugin as wct
 from wct_plugin.errors import WctError
@@ -191,6 +191,14 @@ def test_negative_duals_stand_in_the_page(meshes):
         assert [cell for table in shown for cell in table[k][1:]] == [cell for column in cells for cell in column]
     assert reports[0].negative_duals.interior[2].negative > 10
     assert "Hodge stars" in Page(text).shown
+
+
+def test_what_solvers_see_stands_in_the_page_by_region():
+    one, two = make_report(shaken_cube(3)), make_report(two_region_cube(3))
+    shown = Page(html([one, two], "t")).shown
+    assert shown.count("What solvers see: ") == 1
+    for cells in (*one.rows_summary(), *two.rows_summary(), *two.solver_view.rows()):
+        assert all(cell in shown for cell in cells)
 
 
 @pytest.mark.parametrize("count", [1, 3])

@@ -11,6 +11,7 @@ from support.printed import PAPER_TETS
 from wct_plugin.measure import quality
 from wct_plugin.measure.duals import compute_duals
 from wct_plugin.measure.negative_duals import count_negative_duals
+from wct_plugin.measure.solver_view import view
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.mesh import Repairs
 from wct_plugin.mesh.strata import find_strata
@@ -70,6 +71,7 @@ def test_dict_of_a_mesh():
     assert negative.sum() == (measured.min_height < 0).sum()
     assert found["deviation"] is found["tolerance"] is None
     assert found["negative_duals"] == count_negative_duals(mesh, compute_duals(mesh)).to_dict()
+    assert found["solver_view"] == view(mesh).to_dict()
     assert sum(row["tets"] for row in found["bad_by_place"].values()) == len(mesh.tets)
     assert sum(row["not_3wc"] for row in found["bad_by_place"].values()) == (~measured.well_centered_3).sum()
     assert sum(row["not_cwc"] for row in found["bad_by_place"].values()) == (~measured.completely_well_centered).sum()

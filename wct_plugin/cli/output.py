@@ -14,6 +14,7 @@ from wct_plugin.cli.messages import out
 from wct_plugin.io import atomic_files
 from wct_plugin.io.standard_streams import STREAM
 from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
+from wct_plugin.measure.solver_view import HEAD as SOLVER_HEAD
 from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.result import Result
 from wct_plugin.pipeline.stage import FilterStage, Options
@@ -71,6 +72,7 @@ def print_report(report: Report) -> None:
     out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
     out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
     out.print(table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows()))
+    out.print(table("What solvers see", SOLVER_HEAD, report.solver_view.rows()))
     out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
     _print_histograms([report], "", 40)
     if report.worst:
@@ -92,6 +94,9 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
     beside("Tiers", [one.rows_tiers() for one in reports])
     for k, where in ((1, "inside"), (2, "on the boundary")):
         beside(f"Negative duals {where}", [[(r[0], r[k]) for r in one.negative_duals.rows()] for one in reports])
+    for name, one in zip(names, reports, strict=True):
+        if len(one.regions) > 1:  # else all is in the summary
+            out.print(table(f"What solvers see, {name}", SOLVER_HEAD, one.solver_view.rows()))
     for k, kind in ((2, "not 3WC"), (3, "not CWC")):
         beside(f"Where the tets are that are {kind}", [[(r[0], r[k]) for r in one.rows_places()] for one in reports])
     share = out.width // len(reports)

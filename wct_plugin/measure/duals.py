@@ -210,28 +210,32 @@ def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
         if not of.well_centered_3.all():
             pairs = mesh.topology.interior_pairs
             missing[pairs[_encroached(mesh, *dual_lengths(mesh))][:, ::2]] = True
-        return missing if parts is mesh else missing | _negative(parts)
-    topology, dual = parts.topology, compute_duals(parts)
+        return missing if parts is mesh else missing | _of_tets(parts, *negative(parts, compute_duals(parts)))
+    dual = compute_duals(parts)
     at_facet, at_edge, at_vertex = (
         ~(dual.lengths > dual.errors),
         ~(dual.areas > dual.area_errors),
         ~(dual.volumes > dual.volume_errors),
     )
-    missing |= at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
-    return missing | at_vertex[parts.tets].any(axis=1)
+    missing |= _of_tets(parts, at_facet, at_edge) | at_vertex[parts.tets].any(axis=1)
+    return missing
 
 
-def _negative(mesh: TetMesh) -> Bools:
-    """(m,) the tets at facets and edges whose dual is shorter or smaller than nothing, ties left out."""
-    topology, dual = mesh.topology, compute_duals(mesh)
+def _of_tets(mesh: TetMesh, at_facet: Bools, at_edge: Bools) -> Bools:
+    """(m,) the tets at any of the facets (f,) and edges (e,)."""
+    topology = mesh.topology
+    found: Bools = at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
+    return found
+
+
+def negative(mesh: TetMesh, dual: Duals) -> tuple[Bools, Bools]:
+    """Per facet (f,) and edge (e,) whether its dual is shorter or smaller than nothing, ties left out."""
+    topology = mesh.topology
     radii = quality.circumradii(mesh.points, mesh.tets)
     radius = np.zeros(len(dual.lengths))
     np.maximum.at(radius, topology.tet_facets, radii[:, None])
     squares = np.square(np.diff(mesh.points[topology.edges], axis=1)).sum(axis=(1, 2))
-    at_facet = dual.lengths < -dual.errors - COSPHERICAL * radius
-    at_edge = dual.areas < -dual.area_errors - COSPHERICAL * squares
-    found: Bools = at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
-    return found
+    return dual.lengths < -dual.errors - COSPHERICAL * radius, dual.areas < -dual.area_errors - COSPHERICAL * squares
 
 
 def _encroached(mesh: TetMesh, lengths: Floats, errors: Floats) -> Bools:

@@ -8,6 +8,7 @@ from typing import Any
 from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
 from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
+from wct_plugin.measure.solver_view import HEAD as SOLVER_HEAD
 from wct_plugin.mesh import TetMesh
 from wct_plugin.obstructions import remaining_tets
 from wct_plugin.reports.histograms import Axis, Series, colour_scale, histogram
@@ -249,12 +250,17 @@ def _tables(reports: Mapping[str, Report]) -> Html:
         ),
         *_negative_duals(reports),
     ]
+    by_region = [
+        details(f"What solvers see: {name}", table("By region", SOLVER_HEAD, report.solver_view.rows()))
+        for name, report in reports.items()
+        if len(report.regions) > 1  # else all is in the summary
+    ]
     worst = [
         details(f"Worst tets: {name}", table("Worst first", report.worst_head(), report.rows_worst(), words=True))
         for name, report in reports.items()
         if report.worst
     ]
-    return section("All numbers", columns(parts), *worst)
+    return section("All numbers", columns(parts), *by_region, *worst)
 
 
 def _negative_duals(reports: Mapping[str, Report]) -> list[Html]:
@@ -306,6 +312,9 @@ def _words() -> Html:
         ("Acute", "all its dihedral angles are below 90°"),
         ("R/ℓ", "circumradius over shortest edge, 0.612 in the regular tet; large where a tet is flat"),
         ("★0, ★1, ★2", "Hodge stars, diagonal and positive only if no circumcentric dual is negative or zero"),
+        ("couple", "of two vertices in a region: signed area of the dual face across their edge, over its length"),
+        ("unsigned / signed", "dual volume added up without signs, as DEVSIM does, over the volume; 1.000 if CWC"),
+        ("non-orthogonality", "of a facet: its normal against the line of the centroids; with circumcenters it is 0"),
         ("place", "interior, boundary (or patch), crease or corner: the highest among the tet's vertices"),
     )  # fmt: skip
     return section("Words", table("What they mean here", ("word", "means"), meaning, words=True))

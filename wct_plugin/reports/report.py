@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
-from wct_plugin.measure import duals, fidelity, pinned, planes, quality, released_creases, shape_floor
+from wct_plugin.measure import duals, fidelity, pinned, planes, quality, released_creases, shape_floor, solver_view
 from wct_plugin.measure.coincident import Coincident, count_coincident
 from wct_plugin.measure.coincident import describe as describe_coincident
 from wct_plugin.measure.deviation import measure_deviation
@@ -20,6 +20,7 @@ from wct_plugin.measure.joints import describe as describe_joints
 from wct_plugin.measure.negative_duals import NegativeDuals, count_negative_duals
 from wct_plugin.measure.quality import Quality
 from wct_plugin.measure.shape_floor import ShapeFloor
+from wct_plugin.measure.solver_view import SolverView
 from wct_plugin.mesh import TetMesh, strata, unit_scaling
 from wct_plugin.mesh.mesh import Repairs
 from wct_plugin.mesh.strata import PLACES
@@ -84,6 +85,7 @@ class Report:
     flags: Mapping[str, int]  #: number of tets that are 3wc, 2wc, cwc, acute
     tiers: duals.Tiers
     negative_duals: NegativeDuals
+    solver_view: SolverView
     histograms: Mapping[str, NDArray[np.int64]]  #: counts in :data:`BINS`
     worst: tuple[WorstTet, ...]  #: worst first, by the smaller of min h/R and the cosine of the largest face angle
     bad_by_place: Mapping[str, tuple[int, int, int]]  #: place -> tets there, those not 3WC, those not CWC
@@ -117,6 +119,7 @@ class Report:
         out["tier"] = self.tiers.name
         out["tiers"] = {name: rank <= self.tiers.reached for rank, name in enumerate(duals.TIERS)}
         out["negative_duals"] = self.negative_duals.to_dict()
+        out["solver_view"] = self.solver_view.to_dict()
         out["histograms"] = {
             name: {"edges": BINS[name].tolist(), "counts": counts.tolist()} for name, counts in self.histograms.items()
         }
@@ -193,6 +196,7 @@ class Report:
             *((name, percent) for name, _, percent in self.rows_flags()),
             ("tier", self.tiers.name),
             *((f"{name}, {end}", row[k]) for name, row in ranges.items() for k, end in enumerate(("min", "max"))),
+            *zip(solver_view.QUANTITIES, self.solver_view.total.shown(), strict=True),
             ("volume", f"{self.volume:.6g}"),
             ("deviation / diagonal", f"{self.deviation['fraction_of_diagonal']:.2e}" if self.deviation else "-"),
         ]
@@ -263,6 +267,7 @@ def make_report(
         flags={name: int(mask.sum()) for name, mask in flags.items()},
         tiers=duals.tiers(mesh, measured),
         negative_duals=count_negative_duals(mesh, duals.compute_duals(mesh)),
+        solver_view=solver_view.view(mesh),
         histograms=_histograms(mesh, measured),
         worst=_worst(mesh, measured, places, worst),
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},

@@ -1,0 +1,52 @@
+"""Circumcenters outside the mesh: where a dual edge leaves the domain, or its region, before it ends."""
+
+import numpy as np
+
+from wct_plugin.measure import quality
+from wct_plugin.mesh import TetMesh, unit_scaling
+from wct_plugin.mesh.topology import FACETS
+from wct_plugin.types import Bools, Floats, Ints
+
+#: A circumcenter on the boundary but for this part of its way from the centroid is not outside.
+_ROUNDING = 1e-9
+
+
+def stray_circumcenters(mesh: TetMesh) -> Bools:
+    """(m,) the tets from whose centroid the straight way to their circumcenter crosses the boundary.
+
+    Of a convex domain these are exactly the tets with their circumcenter outside. For each region by itself pass what
+    :func:`wct_plugin.mesh.region_parts.apart` gives. All ways are followed at once, from tet to tet.
+    """
+    points, tets, adjacency = unit_scaling.normalized(mesh.points), mesh.tets, mesh.topology.adjacency
+    heights, errors = quality.heights(points, tets)
+    starts = points[tets].mean(axis=1)
+    ways = quality.circumcenters(points, tets) - starts
+    stray: Bools = ~np.isfinite(ways).all(axis=1)
+    walking = np.flatnonzero((heights < -errors).any(axis=1) & ~stray)
+    here, came_from = walking, np.full(len(walking), -1)
+    for _ in range(len(tets)):  # a straight line crosses a tet once
+        if not len(walking):
+            break
+        entered = (adjacency[here] == came_from[:, None]) & (came_from[:, None] >= 0)
+        facet, part = _way_out(points[tets[here]], starts[walking], ways[walking], entered)
+        beyond = adjacency[here, facet]
+        on = part < 1.0 - _ROUNDING
+        stray[walking[on & (beyond < 0)]] = True
+        on &= beyond >= 0
+        walking, here, came_from = walking[on], beyond[on], here[on]
+    return stray
+
+
+def _way_out(corners: Floats, starts: Floats, ways: Floats, entered: Bools) -> tuple[Ints, Floats]:
+    """Through which facet (k,) lines leave tets with ``corners`` (k, 4, 3), and at which part of their ``ways`` (k,).
+
+    ``entered`` (k, 4): the facets that they came in by.
+    """
+    first, second, third = (corners[:, FACETS[:, k]] for k in range(3))
+    outward = np.cross(second - first, third - first)
+    speed = np.einsum("kfi,ki->kf", outward, ways)
+    distance = np.einsum("kfi,kfi->kf", outward, first - starts[:, None])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where((speed > 0.0) & ~entered, distance / speed, np.inf)
+    facet = part.argmin(axis=1)
+    return facet, part[np.arange(len(part)), facet]
