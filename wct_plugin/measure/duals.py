@@ -223,8 +223,8 @@ def misses(mesh: TetMesh, of: Quality, *, one_sided: bool) -> Bools:
 
 def _of_tets(mesh: TetMesh, at_facet: Bools, at_edge: Bools) -> Bools:
     """(m,) the tets at any of the facets (f,) and edges (e,)."""
-    topology = mesh.topology
-    found: Bools = at_facet[topology.tet_facets].any(axis=1) | at_edge[topology.tet_edges].any(axis=1)
+    table = np.concatenate([at_facet[mesh.topology.tet_facets], at_edge[mesh.topology.tet_edges]], axis=1)
+    found: Bools = np.logical_or.reduce(table, axis=1)
     return found
 
 
