@@ -1,0 +1,1 @@
+"""gmsh's boxes and DEVSIM's equations on them, for the examples that ask DEVSIM."""
