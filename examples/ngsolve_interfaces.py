@@ -1,7 +1,7 @@
 """NGSolve by the names of gmsh: materials, ends, and the interface between them, after the mesh was made well-centered.
 
 Heat flows through a bar of steel and copper. The flux is integrated over the interface inside, a boundary element of
-NGSolve by its own name: it is 1 / (1 / k_steel + 1 / k_copper) to rounding, if all groups survived.
+NGSolve by its own name: it is 1 / (l_steel / k_steel + l_copper / k_copper) to rounding, if all groups survived.
 Run it: ``python examples/ngsolve_interfaces.py [bar.msh]``.
 """
 
@@ -18,6 +18,7 @@ from netgen.read_gmsh import ReadGmsh
 import wct_plugin as wct
 
 CONDUCTIVITY = {"steel": 45.0, "copper": 400.0}
+LENGTH = {"steel": 1.5, "copper": 1.0}
 
 
 def flux(mesh: ngs.Mesh) -> float:
@@ -37,7 +38,7 @@ def flux(mesh: ngs.Mesh) -> float:
 
 def main(target: str | Path = "bar.msh") -> float:
     """Give the flux through the interface of the well-centered bar."""
-    stack(target, {"steel": 1.0, "copper": 1.0}, ("hot", "cold"), 0.25, interfaces=["weld"])
+    stack(target, LENGTH, ("hot", "cold"), 0.25, interfaces=["weld"])
     wct.optimize(target, target)
     with contextlib.redirect_stdout(io.StringIO()):  # it warns of entities without a group, of which there are none
         mesh = ngs.Mesh(ReadGmsh(str(target)))
@@ -45,8 +46,8 @@ def main(target: str | Path = "bar.msh") -> float:
     areas = [ngs.Integrate(1.0, mesh, definedon=mesh.Boundaries(name)) for name in ("hot", "weld", "cold")]
     found = flux(mesh)
     print(f"volumes {np.round(volumes, 12)}, areas {np.round(areas, 12)}, flux through the interface {found:.12f}")
-    assert np.allclose([*volumes, *areas], 1.0, rtol=1e-12, atol=0)
-    assert np.isclose(found, 1 / sum(1 / k for k in CONDUCTIVITY.values()), rtol=1e-10, atol=0)
+    assert np.allclose([*volumes, *areas], [*LENGTH.values(), 1.0, 1.0, 1.0], rtol=1e-12, atol=0)
+    assert np.isclose(found, 1 / sum(LENGTH[name] / k for name, k in CONDUCTIVITY.items()), rtol=1e-10, atol=0)
     return found
 
 

@@ -1,19 +1,21 @@
 """Laplace's equation in DEVSIM on a gmsh file: a coefficient per region, contacts and an interface by their names.
 
-DEVSIM prints much, which is held back here, and wants a LAPACK to be named before it is imported: the wheel of cvxopt
-has one.
+DEVSIM prints much, which is held back here, and wants a LAPACK to be named before it is imported. That of NGSolve,
+which is a wheel of its own, serves also where both are in one process: two different ones end in a crash there. macOS
+has one that DEVSIM finds by itself.
 """
 
 import contextlib
 import io
 import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-import cvxopt
+if sys.platform != "darwin":
+    import ngsolve_openblas
 
-(_LAPACK,) = (Path(cvxopt.__file__).parents[1] / "cvxopt.libs").glob("libopenblas*")
-os.environ.setdefault("DEVSIM_MATH_LIBS", str(_LAPACK))
+    os.environ.setdefault("DEVSIM_MATH_LIBS", ngsolve_openblas.get_libraries()[0])
 with contextlib.redirect_stdout(io.StringIO()):
     import devsim
 

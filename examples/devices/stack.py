@@ -19,7 +19,7 @@ def stack(
 ) -> None:
     """Write the ``layers``, thickness by name, with the groups of facets ``ends`` and, between them, ``interfaces``.
 
-    Edges are ``size`` long. All lengths are in units, and written times ``unit``. Version 2.2, which every solver reads.
+    Edges are ``size`` long; all lengths are written times ``unit``. Version 2.2, which every solver reads.
     """
     places = [0.0, *itertools.accumulate(layers.values())]
     gmsh.initialize(interruptible=False)
