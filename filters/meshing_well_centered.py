@@ -80,7 +80,7 @@ class MeshingOptions(Options):
 
     goal: Literal["delaunay", "one-sided", "3wc", "cwc"] = Field(
         "cwc",
-        description="delaunay: no vertex inside a tet's sphere, no region with a negative couple of its own;"
+        description="delaunay: no vertex inside a tet's sphere, and of several regions none with a negative couple;"
         " one-sided: all signed duals of every region positive;"
         " 3wc: every tet contains its circumcenter; cwc: every triangle too",
     )

@@ -12,6 +12,14 @@ namespace wct::domain {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFlatLayer = -0.98; // cosine between the normals of a layer's two planes: within 11 degrees
+/// Size per thickness of a layer between two planes, as a multiple of that of other walls. One row of tets goes through
+/// it then, as in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
+constexpr double kLayer = 1.75;
+/// A crease up to so many sizes long has two edges at least: with one, as at the corners of a plate, the tet at either
+/// end is the one with three right angles, which no point near there would divide.
+constexpr double kShortCrease = 1.5;
+constexpr double kHalf = 0.6; // size per length of such a crease
 
 } // namespace
 
@@ -199,9 +207,11 @@ void Sizing::limit_by_creases() {
         double length = 0.0;
         for (int k = 0; k < curve.steps(); ++k)
             length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
-        for (const int v : curve.vertices)
-            surface[v] =
-                std::min(surface[v], std::max(length / curve.least_edges(), form_.narrowest * form_.tolerance_at(v)));
+        for (const int v : curve.vertices) {
+            const bool is_short = !curve.closed && length < kShortCrease * surface[v];
+            const double most = is_short ? kHalf * length : length / curve.least_edges();
+            surface[v] = std::min(surface[v], std::max(most, form_.narrowest * form_.tolerance_at(v)));
+        }
     }
 }
 
@@ -231,10 +241,16 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
     const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
+    const auto interface = [&](int t) {
+        const auto &[behind, before] = data.sides[data.patch[t]];
+        return behind >= 0 && before >= 0;
+    };
     double thin = kInfinity, inside = kInfinity;
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
-        const bool outside = data.sides[data.patch[triangle]][side] < 0;
+        const int between = data.sides[data.patch[triangle]][side];
+        const bool outside = between < 0;
+        bool layer = false;
         std::array<double, kRays> hits, walls;
         for (int j = 0; j < kRays; ++j) {
             const double tilt = j == 0 ? 0.0 : kCone;
@@ -243,16 +259,27 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
             const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
             int hit = -1;
             const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
-            const bool opposite =
-                hit >= 0 && dot(reference_.normal(hit), n) < -0.5 && !(outside && notched(center, far));
+            // Cosine between the normals of the two sides, both out of what is between them.
+            double facing = 1.0;
+            if (hit >= 0) {
+                const auto &[behind, before] = data.sides[data.patch[hit]];
+                const double along = dot(reference_.normal(hit), inward);
+                facing = behind == before ? -std::fabs(along) : behind == between ? -along : along;
+            }
+            const bool opposite = facing < -0.5 && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
-            walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
+            // Layers at interfaces leave the sizes inside to what is wanted there: one row of tets is enough.
+            walls[j] = opposite && facing < kParallel && !interface(triangle) && !interface(hit) ? hits[j] : kInfinity;
+            if (j == 0 && hit >= 0)
+                layer = facing < kFlatLayer && reference_.planar(data.patch[triangle]) &&
+                        reference_.planar(data.patch[hit]);
         }
         std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
         std::nth_element(walls.begin(), walls.begin() + 3, walls.end());
         const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
-        const double narrow = std::max(hits[3], form_.narrowest * tolerance) * form_.gap / form_.thickness;
-        thin = std::min(thin, outside ? narrow : hits[3]);
+        const double narrow = form_.gap * std::max(hits[3], form_.narrowest * tolerance);
+        const double wide = (layer ? kLayer : 1.0) * form_.thickness * hits[3];
+        thin = std::min(thin, outside ? narrow : wide);
         if (!outside)
             inside = std::min(inside, walls[3]);
     }
@@ -286,7 +313,7 @@ void Sizing::limit_by_thickness(const Workers &workers) {
             }
     for (std::size_t v = 0; v < sum.size(); ++v)
         if (weight[v] > 0.0)
-            limit_[v] = std::min(limit_[v], form_.thickness * sum[v] / weight[v]);
+            limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
 }
 
 void Sizing::limit_by_sharp_edges() {

@@ -3,7 +3,9 @@
 #include "sampling/curve_chains.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -13,6 +15,11 @@ namespace {
 
 constexpr double kWidest = 1.309; // angle of a patch at a corner that one facet may fill: 75 degrees
 constexpr double kSharp = 0.5;    // cosine of the angle between creases below which it is sharp: 60 degrees
+constexpr double kSquare = 0.1;   // cosine of the angle between creases that count as square
+// The corner of a cube in 34 tets (create_cube_corner): seven points are joined to the corner. Three are on the
+// creases, equally far from it; in that distance, the three between two creases and the one between all are at
+constexpr double kFace = 0.833;
+constexpr double kInner = 0.721;
 
 /// Where a crease leaves a corner.
 struct Spoke {
@@ -57,12 +64,69 @@ void even_sharp(Cloud &cloud, const domain::Reference &reference, int corner, co
     }
 }
 
-} // namespace
+/// Three creases at a corner that are square to each other, and what is between them.
+struct Octant {
+    std::array<Spoke, 3> spokes;
+    int region;
 
-void seed_corners(Cloud &cloud, const domain::Reference &reference) {
+    bool has(int point) const {
+        return std::any_of(spokes.begin(), spokes.end(), [&](const Spoke &spoke) { return spoke.point == point; });
+    }
+};
+
+/// The octants of a corner, those of regions alone, with a point on each of their creases.
+std::vector<Octant> octants_at(const Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
+                               int corner, const std::vector<Spoke> &around) {
+    const Vec3 at = cloud.points[corner];
+    const auto share = [&](const Spoke &a, const Spoke &b) {
+        const auto &one = reference.patches_at_curve(a.curve), &other = reference.patches_at_curve(b.curve);
+        return std::any_of(one.begin(), one.end(),
+                           [&](int p) { return std::binary_search(other.begin(), other.end(), p); });
+    };
+    const auto way = [&](const Spoke &a) { return unit(cloud.points[a.point] - at); };
+    const auto square = [&](const Spoke &a, const Spoke &b) {
+        return std::fabs(dot(way(a), way(b))) < kSquare && share(a, b);
+    };
+    std::vector<Octant> out;
+    for (std::size_t i = 0; i < around.size(); ++i)
+        for (std::size_t j = i + 1; j < around.size(); ++j)
+            for (std::size_t k = j + 1; k < around.size(); ++k) {
+                const Spoke &a = around[i], &b = around[j], &c = around[k];
+                if (!square(a, b) || !square(a, c) || !square(b, c))
+                    continue;
+                const auto is_corner = [&](const Spoke *one) { return cloud.role[one->point] == Stratum::corner; };
+                if (is_corner(&a) || is_corner(&b) || is_corner(&c))
+                    continue;
+                double near = norm(cloud.points[a.point] - at);
+                for (const Spoke *one : {&b, &c})
+                    near = std::min(near, norm(cloud.points[one->point] - at));
+                const int region = map.region(at + (0.5 * near) * unit(way(a) + way(b) + way(c)), -1);
+                if (region >= 0)
+                    out.push_back({{a, b, c}, region});
+            }
+    return out;
+}
+
+/// The next points on the creases of octants at a corner come as far from it as the nearest is.
+void even_square(Cloud &cloud, const domain::Reference &reference, int corner, const std::vector<Octant> &octants) {
+    const Vec3 at = cloud.points[corner];
+    double near = std::numeric_limits<double>::infinity();
+    for (const Octant &octant : octants)
+        for (const Spoke &spoke : octant.spokes)
+            near = std::min(near, norm(cloud.points[spoke.point] - at));
+    for (const Octant &octant : octants)
+        for (const Spoke &spoke : octant.spokes)
+            if (spoke.alone && cloud.held[spoke.point] != Hold::given) {
+                Vec3 &p = cloud.points[spoke.point];
+                p = reference.nearest_on_curve(at + near * unit(p - at), spoke.curve, true).point;
+            }
+}
+
+/// The angles that patches have at the corners of the surface, by corner and patch.
+std::map<std::pair<int, int>, Opening> openings_of(const domain::Reference &reference) {
     const auto &data = reference.data();
     const std::set<int> corners(data.corners.begin(), data.corners.end());
-    std::map<std::pair<int, int>, Opening> openings; // corner, patch
+    std::map<std::pair<int, int>, Opening> openings;
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
             const int v = data.triangles[t][k];
@@ -75,7 +139,12 @@ void seed_corners(Cloud &cloud, const domain::Reference &reference) {
             opening.angle += wide;
             opening.normal += wide * reference.normal(static_cast<int>(t));
         }
-    std::map<int, std::vector<Spoke>> spokes; // corner point -> its creases
+    return openings;
+}
+
+/// The creases at the corners, by the corner's point.
+std::map<int, std::vector<Spoke>> spokes_of(const Cloud &cloud, const domain::Reference &reference) {
+    std::map<int, std::vector<Spoke>> spokes;
     const auto chains = curve_chains(cloud, reference);
     for (int c = 0; c < static_cast<int>(chains.size()); ++c) {
         const auto &chain = chains[c];
@@ -85,12 +154,39 @@ void seed_corners(Cloud &cloud, const domain::Reference &reference) {
         spokes[chain.front().point].push_back({c, chain[1].point, alone});
         spokes[chain.back().point].push_back({c, chain[chain.size() - 2].point, alone});
     }
+    return spokes;
+}
+
+/// Divide a wide angle that a patch has at a corner between the points `ends` of its two creases there.
+void divide(Cloud &cloud, const domain::Reference &reference, int corner, int patch, const std::array<int, 2> &ends,
+            const Opening &opening, bool square) {
+    const Vec3 at = cloud.points[corner], n = unit(opening.normal);
+    const Vec3 first = cloud.points[ends[0]] - at, last = cloud.points[ends[1]] - at;
+    const double way = dot(turned(first, n, opening.angle), last) > dot(turned(first, n, -opening.angle), last)
+                           ? opening.angle
+                           : -opening.angle;
+    const double radius = (square ? kFace : 1.0) * 0.5 * (norm(first) + norm(last));
+    const int parts = static_cast<int>(std::ceil(opening.angle / kWidest));
+    for (int k = 1; k < parts; ++k) {
+        const Vec3 p = at + radius * unit(turned(first, n, way * k / parts));
+        const domain::Foot foot = reference.nearest(p, patch);
+        if (foot.distance < 0.2 * radius)
+            cloud.add(foot.point, Stratum::patch, patch, cloud.size[corner]);
+    }
+}
+
+} // namespace
+
+void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map) {
+    const auto openings = openings_of(reference);
+    const auto spokes = spokes_of(cloud, reference);
     for (const auto &[corner, around] : spokes)
         even_sharp(cloud, reference, corner, around);
     for (const auto &[corner, around] : spokes) {
         if (cloud.role[corner] != Stratum::corner)
             continue;
-        const Vec3 at = cloud.points[corner];
+        const std::vector<Octant> octants = octants_at(cloud, reference, map, corner, around);
+        even_square(cloud, reference, corner, octants);
         for (const int patch : reference.patches_at_vertex(cloud.label[corner])) {
             std::vector<int> ends;
             for (const Spoke &spoke : around) {
@@ -100,20 +196,18 @@ void seed_corners(Cloud &cloud, const domain::Reference &reference) {
             }
             if (ends.size() != 2) // more creases, and which of them are neighbours is another question
                 continue;
-            const Opening &opening = openings[{cloud.label[corner], patch}];
-            const Vec3 n = unit(opening.normal);
-            const Vec3 first = cloud.points[ends[0]] - at, last = cloud.points[ends[1]] - at;
-            const double way = dot(turned(first, n, opening.angle), last) > dot(turned(first, n, -opening.angle), last)
-                                   ? opening.angle
-                                   : -opening.angle;
-            const double radius = 0.5 * (norm(first) + norm(last));
-            const int parts = static_cast<int>(std::ceil(opening.angle / kWidest));
-            for (int k = 1; k < parts; ++k) {
-                Vec3 p = at + radius * unit(turned(first, n, way * k / parts));
-                const domain::Foot foot = reference.nearest(p, patch);
-                if (foot.distance < 0.2 * radius)
-                    cloud.add(foot.point, Stratum::patch, patch, cloud.size[corner]);
-            }
+            const bool square = std::any_of(octants.begin(), octants.end(), [&](const Octant &octant) {
+                return octant.has(ends[0]) && octant.has(ends[1]);
+            });
+            divide(cloud, reference, corner, patch, {ends[0], ends[1]}, openings.at({cloud.label[corner], patch}),
+                   square);
+        }
+        const Vec3 at = cloud.points[corner];
+        for (const auto &[creases, region] : octants) {
+            Vec3 sum;
+            for (const Spoke &spoke : creases)
+                sum += cloud.points[spoke.point] - at;
+            cloud.add(at + (kInner / std::sqrt(3.0)) * sum, Stratum::interior, region, cloud.size[corner]);
         }
     }
 }

@@ -339,7 +339,7 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
     PointGrid wires; // the lattice keeps off what no surface tells of
     const std::vector<char> wire = on_wires(cloud, reference);
     for (std::size_t i = 0; i < wire.size(); ++i)
-        if (wire[i])
+        if (wire[i] || cloud.role[i] == Stratum::interior) // these are at corners
             wires.add(cloud.points[i], form.wire_gap * cloud.size[i]);
     PointGrid grid;
     for (int level = 0; level < levels.count(); ++level) {
@@ -368,7 +368,7 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
     if (held)
         held->put(cloud, sizing);
     seed_sharp_rows(cloud, reference, sizing);
-    seed_corners(cloud, reference);
+    seed_corners(cloud, reference, map);
     seed_patches(cloud, reference, sizing, form, renewal, random);
     seed_inside(cloud, reference, map, sizing, form, renewal, random);
     seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);
