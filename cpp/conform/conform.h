@@ -28,7 +28,7 @@ struct ConformOptions {
     static constexpr int patience = 20;     // rounds without progress
     static constexpr double held = 0.6;     // distance of facets from the reference, in tolerances
     static constexpr double least = 1e-6;   // dual length, in circumradii
-    static constexpr double tied = 1e-10; // the same below zero, where it may be none
+    static constexpr double tied = 1e-10;   // the same below zero, where it may be none
     static constexpr double sharpest = 0.5; // dihedral angle of a tet, in those of the mesh that comes in
 };
 
