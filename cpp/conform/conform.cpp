@@ -32,7 +32,8 @@ class Round {
           const Workers &workers)
         : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map),
           options_(options), sharpest_(sharpest), random_(random) {
-        complex_ = sampling::labelled_delaunay(cloud_, reference, map, workers);
+        complex_ = sampling::labelled_delaunay(cloud_, map, workers);
+        take_in_flat();
         delaunay::remove_flat(complex_.all, complex_.region, cloud_.points, sharpest_);
         several_ = *std::max_element(complex_.region.begin(), complex_.region.end()) > 0;
         spheres_.resize(complex_.all.tets.size());
@@ -89,6 +90,25 @@ class Round {
     /// Must the circumcenter stay on this side of the facet? Where a region ends, but for a single Delaunay one.
     bool outer(int t, int i) const {
         return complex_.beyond(t, i) != complex_.region[t] && (options_.one_sided || several_);
+    }
+
+    /// Flat tets between surface points are not outside but where they lie in the boundary: between the two sides of a
+    /// layer they belong to it, in an interface to the region behind it.
+    void take_in_flat() {
+        for (std::size_t t = 0; t < complex_.region.size(); ++t) {
+            const auto &tet = complex_.all.tets[t];
+            if (complex_.region[t] >= 0 || std::any_of(tet.begin(), tet.end(), [&](int v) { return inside(v); }))
+                continue;
+            const std::vector<int> shared = sampling::shared_patches(cloud_, reference_, tet);
+            if (shared.empty()) {
+                Vec3 center;
+                for (const int v : tet)
+                    center += 0.25 * cloud_.points[v];
+                complex_.region[t] = map_.region(center, -1);
+            } else if (const auto &[behind, before] = reference_.data().sides[shared[0]]; before >= 0) {
+                complex_.region[t] = behind;
+            }
+        }
     }
 
     /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface. At an interface

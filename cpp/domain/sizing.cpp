@@ -12,14 +12,16 @@ namespace wct::domain {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFlatLayer = -0.98; // cosine between the normals of a layer's two planes: within 11 degrees
-/// Size per thickness of a layer between two planes, as a multiple of that of other walls. One row of tets goes through
-/// it then, as in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
-constexpr double kLayer = 1.75;
-/// A crease up to so many sizes long has two edges at least: with one, as at the corners of a plate, the tet at either
-/// end is the one with three right angles, which no point near there would divide.
-constexpr double kShortCrease = 1.5;
-constexpr double kHalf = 0.6; // size per length of such a crease
+constexpr double kFlatLayer = 0.98; // cosine between the planes of a layer: within 11 degrees
+/// Size per thickness of a layer between two planes where longer edges are wanted. One row of tets goes through it, as
+/// in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
+constexpr double kLayer = 1.4;
+constexpr double kBroad = 12.0; // least area of its planes, in squares of the thickness
+constexpr double kCoarse = 1.2; // least size wanted, in thicknesses, for that: of shorter edges two rows are better
+/// A crease across a layer has two edges: with one, the tet at either end is the one with three right angles, which no
+/// point near there would divide.
+constexpr double kAcross = 1.2; // greatest length of such a crease, in thicknesses
+constexpr double kHalf = 0.6;   // size per length of it
 
 } // namespace
 
@@ -208,8 +210,8 @@ void Sizing::limit_by_creases() {
         for (int k = 0; k < curve.steps(); ++k)
             length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
         for (const int v : curve.vertices) {
-            const bool is_short = !curve.closed && length < kShortCrease * surface[v];
-            const double most = is_short ? kHalf * length : length / curve.least_edges();
+            const bool across = !curve.closed && length < kAcross * layer_[v];
+            const double most = across ? kHalf * length : length / curve.least_edges();
             surface[v] = std::min(surface[v], std::max(most, form_.narrowest * form_.tolerance_at(v)));
         }
     }
@@ -230,7 +232,27 @@ bool Sizing::tapered(const Vec3 &p, double thickness) const {
     return closing(sharp_, p, thickness, 0.25).edge >= 0; // 14 degrees
 }
 
-Sizing::Thickness Sizing::thickness_at(int triangle) const {
+double Sizing::row_at(int triangle, int side, double wanted) const {
+    const auto &data = reference_.data();
+    const int own = data.patch[triangle], between = data.sides[own][side];
+    if (between < 0 || !reference_.planar(own))
+        return kInfinity;
+    const auto &[a, b, c] = data.triangles[triangle];
+    const Vec3 inward = (side == 0 ? -1.0 : 1.0) * reference_.normal(triangle);
+    int hit = -1;
+    const double far = reference_.ray((1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]), inward,
+                                      1e-6 * reference_.diagonal(), hit);
+    if (hit < 0 || !reference_.planar(data.patch[hit]) || wanted < kCoarse * far ||
+        patch_area_[own] < kBroad * far * far)
+        return kInfinity;
+    // The normals of interfaces and sheets run either way: what counts is which side the layer is on.
+    const auto &[behind, before] = data.sides[data.patch[hit]];
+    const double along = dot(reference_.normal(hit), inward);
+    const double outward = behind == before ? std::fabs(along) : behind == between ? along : -along;
+    return outward > kFlatLayer ? far : kInfinity;
+}
+
+Sizing::Thickness Sizing::thickness_at(int triangle, double wanted) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
     constexpr double kCone = 0.5235987755982988; // 30 degrees
@@ -241,16 +263,10 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
     const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
-    const auto interface = [&](int t) {
-        const auto &[behind, before] = data.sides[data.patch[t]];
-        return behind >= 0 && before >= 0;
-    };
-    double thin = kInfinity, inside = kInfinity;
+    double thin = kInfinity, inside = kInfinity, layer = kInfinity;
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
-        const int between = data.sides[data.patch[triangle]][side];
-        const bool outside = between < 0;
-        bool layer = false;
+        const bool outside = data.sides[data.patch[triangle]][side] < 0;
         std::array<double, kRays> hits, walls;
         for (int j = 0; j < kRays; ++j) {
             const double tilt = j == 0 ? 0.0 : kCone;
@@ -259,50 +275,51 @@ Sizing::Thickness Sizing::thickness_at(int triangle) const {
             const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
             int hit = -1;
             const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
-            // Cosine between the normals of the two sides, both out of what is between them.
-            double facing = 1.0;
-            if (hit >= 0) {
-                const auto &[behind, before] = data.sides[data.patch[hit]];
-                const double along = dot(reference_.normal(hit), inward);
-                facing = behind == before ? -std::fabs(along) : behind == between ? -along : along;
-            }
-            const bool opposite = facing < -0.5 && !(outside && notched(center, far));
+            const bool opposite =
+                hit >= 0 && dot(reference_.normal(hit), n) < -0.5 && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
-            // Layers at interfaces leave the sizes inside to what is wanted there: one row of tets is enough.
-            walls[j] = opposite && facing < kParallel && !interface(triangle) && !interface(hit) ? hits[j] : kInfinity;
-            if (j == 0 && hit >= 0)
-                layer = facing < kFlatLayer && reference_.planar(data.patch[triangle]) &&
-                        reference_.planar(data.patch[hit]);
+            walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
         }
         std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
         std::nth_element(walls.begin(), walls.begin() + 3, walls.end());
         const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
         const double narrow = form_.gap * std::max(hits[3], form_.narrowest * tolerance);
-        const double wide = (layer ? kLayer : 1.0) * form_.thickness * hits[3];
-        thin = std::min(thin, outside ? narrow : wide);
+        const double row = row_at(triangle, side, wanted);
+        layer = std::min(layer, row);
+        thin = std::min(thin, outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[3]);
         if (!outside)
             inside = std::min(inside, walls[3]);
     }
-    return {std::min(thin, reference_.diagonal()), inside};
+    return {std::min(thin, reference_.diagonal()), inside, layer};
 }
 
 void Sizing::limit_by_thickness(const Workers &workers) {
     const auto &data = reference_.data();
     std::vector<double> thin(data.triangles.size());
+    std::vector<double> layers(data.triangles.size(), kInfinity);
     std::vector<char> measured(data.triangles.size(), 0);
     inside_.assign(data.triangles.size(), kInfinity);
+    patch_area_.assign(data.sides.size(), 0.0);
+    for (std::size_t t = 0; t < data.triangles.size(); ++t)
+        patch_area_[data.patch[t]] += reference_.area(static_cast<int>(t));
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c] = data.triangles[t];
         const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
         const double size = std::max({limit_[a], limit_[b], limit_[c]});
         measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
         if (measured[t]) {
-            const Thickness here = thickness_at(static_cast<int>(t));
+            const Thickness here = thickness_at(static_cast<int>(t), size);
+            layers[t] = here.layer;
             thin[t] = here.limit;
             if (here.inside < kInfinity && !tapered(center, here.inside))
                 inside_[t] = here.inside;
         }
     });
+    layer_.assign(data.points.size(), 0.0);
+    for (std::size_t t = 0; t < layers.size(); ++t)
+        if (layers[t] < kInfinity)
+            for (const int at : data.triangles[t])
+                layer_[at] = std::max(layer_[at], layers[t]);
     std::vector<double> sum(data.points.size(), 0.0);
     std::vector<double> weight(data.points.size(), 0.0);
     for (std::size_t t = 0; t < thin.size(); ++t)

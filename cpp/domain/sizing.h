@@ -78,6 +78,9 @@ class Sizing {
     std::vector<double> surface;
     void grade();
 
+    /// Whether a vertex of the surface is at a layer through which one row of tets goes.
+    bool at_layer(int vertex) const { return layer_[vertex] > 0.0; }
+
   private:
     void make_input_sizes(std::span<const double> wanted);
     /// Of a typical facet, as a multiple of the tolerance, that keeps the domain's volume.
@@ -100,8 +103,12 @@ class Sizing {
     struct Thickness {
         double limit;
         double inside;
+        double layer; // of a layer through which one row of tets goes, infinite where there is none
     };
-    Thickness thickness_at(int triangle) const;
+    /// The thickness of the layer between two planes on a side of a triangle, where one row of tets goes through it;
+    /// else infinite. `wanted`: the size that all else allows there.
+    double row_at(int triangle, int side, double wanted) const;
+    Thickness thickness_at(int triangle, double wanted) const;
     /// The edge near p at which sides so far apart there meet, none if they do not. It is looked for as far as at
     /// `least` (2 sin of half the angle between the sides) it may be.
     static SharpFoot closing(const SharpEdges &edges, const Vec3 &p, double width, double least);
@@ -120,6 +127,8 @@ class Sizing {
     double volume_ = 0.0;       // of the input
     bool uniform_ = false;
     std::vector<double> limit_;
+    std::vector<double> patch_area_;
+    std::vector<double> layer_;  // thickness of a layer with one row of tets per point, 0 where there is none
     std::vector<double> inside_; // thickness of walls per triangle, infinite where none is
     std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow
     // Per node of the reference's tree: of sizes, and of those that would grow from the surface on to the same.

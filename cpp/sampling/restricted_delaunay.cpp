@@ -99,8 +99,8 @@ std::array<int, 3> RestrictedDelaunay::facet(int t, int i) const {
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
 
-RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::Reference &reference,
-                                     const domain::RegionMap &map, const Workers &workers, const HeldSurface *held) {
+RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
+                                     const HeldSurface *held) {
     RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}, {}};
     if (held)
         held->recover(cloud, complex.all);
@@ -119,12 +119,10 @@ RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::Reference
             complex.region[t] = cloud.label[inner];
             return;
         }
-        if (on_surface == 4 && flatness(cloud.points, tets[t]) < kFlat)
-            if (const std::vector<int> shared = shared_patches(cloud, reference, tets[t]); !shared.empty()) {
-                const auto &[behind, before] = reference.data().sides[shared[0]];
-                complex.region[t] = before < 0 ? -1 : behind;
-                return;
-            }
+        if (on_surface == 4 && flatness(cloud.points, tets[t]) < kFlat) {
+            complex.region[t] = -1;
+            return;
+        }
         Vec3 center;
         for (const int v : tets[t])
             center += 0.25 * cloud.points[v];
@@ -137,7 +135,7 @@ RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::Reference
 
 RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
                                        const domain::RegionMap &map, const Workers &workers, const HeldSurface *held) {
-    RestrictedDelaunay complex = labelled_delaunay(cloud, reference, map, workers, held);
+    RestrictedDelaunay complex = labelled_delaunay(cloud, map, workers, held);
     peel(cloud, reference, complex);
     if (held)
         held->label(cloud, complex);

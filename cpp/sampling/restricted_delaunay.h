@@ -38,10 +38,8 @@ struct RestrictedDelaunay {
     }
 };
 
-/// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out,
-/// those in a plane between two regions belong to the one behind it.
-RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::Reference &reference,
-                                     const domain::RegionMap &map, const Workers &workers,
+/// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out.
+RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
                                      const HeldSurface *held = nullptr);
 /// The same, with slivers on curved patches taken off too, and the facets that lie on sheets found. Tets on `held`
 /// facets belong to what is on that side of them.

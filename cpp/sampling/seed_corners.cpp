@@ -177,7 +177,8 @@ void divide(Cloud &cloud, const domain::Reference &reference, int corner, int pa
 
 } // namespace
 
-void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map) {
+void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
+                  const domain::Sizing &sizing) {
     const auto openings = openings_of(reference);
     const auto spokes = spokes_of(cloud, reference);
     for (const auto &[corner, around] : spokes)
@@ -185,7 +186,10 @@ void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain
     for (const auto &[corner, around] : spokes) {
         if (cloud.role[corner] != Stratum::corner)
             continue;
-        const std::vector<Octant> octants = octants_at(cloud, reference, map, corner, around);
+        // At the ends of longer creases there is room for points to find their places.
+        const std::vector<Octant> octants = sizing.at_layer(cloud.label[corner])
+                                                ? octants_at(cloud, reference, map, corner, around)
+                                                : std::vector<Octant>{};
         even_square(cloud, reference, corner, octants);
         for (const int patch : reference.patches_at_vertex(cloud.label[corner])) {
             std::vector<int> ends;
