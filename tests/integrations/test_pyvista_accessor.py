@@ -209,7 +209,7 @@ def test_other_cells_are_refused_by_name() -> None:
         cube = from_pyvista(pv.Cube())
     assert isinstance(cube, SurfaceMesh)
     assert len(cube.triangles) == 12
-    with pytest.raises(InputError, match=r"^UnstructuredGrid: has neither tets nor triangles"):
+    with pytest.raises(InputError, match=r"^UnstructuredGrid: has no cells"):
         pv.UnstructuredGrid().wct.report()
     with pytest.raises(OptionError, match=r"needs a tet mesh, here is a surface"):
         pv.Sphere().cast_to_unstructured_grid().wct.report()
