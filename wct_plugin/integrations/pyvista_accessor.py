@@ -126,7 +126,7 @@ class GridAccessor:
         return plotter
 
     def _tets(self) -> TetMesh:
-        mesh = from_pyvista(self._grid)
+        mesh = from_pyvista(_without_field_data(self._grid))
         find_filter("get_quality").check_takes(type(mesh))
         assert isinstance(mesh, TetMesh)
         return mesh
