@@ -14,11 +14,12 @@ import numpy as np
 import pyvista as pv
 
 from wct_plugin.errors import OptionError
+from wct_plugin.io.assembly import NAME
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.objects.conversions import as_mesh
-from wct_plugin.objects.pyvista_meshes import NAME, from_pyvista, to_pyvista
+from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.pipeline.pipeline import mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, find_filter
 from wct_plugin.reports.report import Report, make_report
