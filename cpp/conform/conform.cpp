@@ -83,6 +83,12 @@ class Round {
         const auto at = corners(f);
         return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * height(t, i);
     }
+    Vec3 centroid(const std::array<int, 4> &tet) const {
+        Vec3 sum;
+        for (const int v : tet)
+            sum += 0.25 * cloud_.points[v];
+        return sum;
+    }
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
     bool beyond(int t, int i) const { return height(t, i) <= least() * spheres_[t].radius; }
     /// The shortest length that a dual may have: where the mesh is to be one-sided it is not zero.
@@ -101,10 +107,7 @@ class Round {
                 continue;
             const std::vector<int> shared = sampling::shared_patches(cloud_, reference_, tet);
             if (shared.empty()) {
-                Vec3 center;
-                for (const int v : tet)
-                    center += 0.25 * cloud_.points[v];
-                complex_.region[t] = map_.region(center, -1);
+                complex_.region[t] = map_.region(centroid(tet), -1);
             } else if (const auto &[behind, before] = reference_.data().sides[shared[0]]; before >= 0) {
                 complex_.region[t] = behind;
             }
@@ -389,11 +392,8 @@ class Round {
     void put_inside(int t) {
         const double size = size_of(complex_.facet(t, 0));
         Vec3 p = spheres_[t].center;
-        if (map_.region(p, -1) != complex_.region[t]) {
-            p = {};
-            for (const int v : complex_.all.tets[t])
-                p += 0.25 * cloud_.points[v];
-        }
+        if (map_.region(p, -1) != complex_.region[t])
+            p = centroid(complex_.all.tets[t]);
         points_.insert_inside(p + 0.1 * size * random_.uniform() * unit(random_.normal3()), complex_.region[t], size,
                               0.4 * std::min(size, spheres_[t].radius));
     }

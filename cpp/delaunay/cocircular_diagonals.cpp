@@ -1,5 +1,6 @@
 #include "delaunay/cocircular_diagonals.h"
 
+#include "delaunay/corners.h"
 #include "geometry/predicates.h"
 
 #include <algorithm>
@@ -10,12 +11,6 @@
 namespace wct::delaunay {
 
 namespace {
-
-using Corners = std::array<int, 4>;
-
-int place_of(const Corners &tet, int v) {
-    return static_cast<int>(std::find(tet.begin(), tet.end(), v) - tet.begin());
-}
 
 /// The facets of a triangulation, to be found by their corners.
 class FacetList {

@@ -1,6 +1,7 @@
 #include "delaunay/flat_tets.h"
 
 #include "base/cells.h"
+#include "delaunay/corners.h"
 #include "geometry/circumspheres.h"
 #include "geometry/dihedral_angles.h"
 #include "geometry/predicates.h"
@@ -13,15 +14,9 @@ namespace wct::delaunay {
 
 namespace {
 
-using Corners = std::array<int, 4>;
-
 constexpr std::size_t kMost = 4; // tets round an edge that is taken out
 constexpr double kInside = 1e-9; // of a sphere's radius that a point may be inside of it
 constexpr int kPasses = 3;       // a flip may free the next one
-
-int place_of(const Corners &tet, int v) {
-    return static_cast<int>(std::find(tet.begin(), tet.end(), v) - tet.begin());
-}
 
 /// Across a facet of what is flipped: the tet there, -1 on the hull, and its corner beyond.
 struct Side {

@@ -1,15 +1,16 @@
 #include "geometry/dihedral_angles.h"
 
+#include "base/cells.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace wct::geometry {
 
 double smallest_dihedral(const std::array<Vec3, 4> &tet) {
-    constexpr int outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    std::array<Vec3, 4> normals;
+    std::array<Vec3, 4> normals; // all inward: the angles between them are those of the outward ones
     for (int i = 0; i < 4; ++i) {
-        const auto &[a, b, c] = outward[i];
+        const auto &[a, b, c] = kFacets[i];
         normals[i] = unit(cross(tet[b] - tet[a], tet[c] - tet[a]));
     }
     double sharpest = -1.0; // cosine

@@ -39,6 +39,15 @@ struct Opening {
     Vec3 normal;
 };
 
+/// Move the next point on a crease to a distance from the corner, unless it is given.
+void put_at(Cloud &cloud, const domain::Reference &reference, int corner, const Spoke &spoke, double distance) {
+    if (cloud.held[spoke.point] == Hold::given)
+        return;
+    const Vec3 at = cloud.points[corner];
+    Vec3 &p = cloud.points[spoke.point];
+    p = reference.nearest_on_curve(at + distance * unit(p - at), spoke.curve, true).point;
+}
+
 /// Where creases meet at a sharp angle, a facet from one to the other is acute only if they are about equally long:
 /// their next points go as far from the corner as they are in the mean.
 void even_sharp(Cloud &cloud, const domain::Reference &reference, int corner, const std::vector<Spoke> &around) {
@@ -55,13 +64,8 @@ void even_sharp(Cloud &cloud, const domain::Reference &reference, int corner, co
         sharp.push_back(&one);
         sum += norm(cloud.points[one.point] - at);
     }
-    for (const Spoke *one : sharp) {
-        if (cloud.held[one->point] == Hold::given)
-            continue;
-        Vec3 &p = cloud.points[one->point];
-        p = reference.nearest_on_curve(at + (sum / static_cast<double>(sharp.size())) * unit(p - at), one->curve, true)
-                .point;
-    }
+    for (const Spoke *one : sharp)
+        put_at(cloud, reference, corner, *one, sum / static_cast<double>(sharp.size()));
 }
 
 /// Three creases at a corner that are square to each other, and what is between them.
@@ -116,10 +120,8 @@ void even_square(Cloud &cloud, const domain::Reference &reference, int corner, c
             near = std::min(near, norm(cloud.points[spoke.point] - at));
     for (const Octant &octant : octants)
         for (const Spoke &spoke : octant.spokes)
-            if (spoke.alone && cloud.held[spoke.point] != Hold::given) {
-                Vec3 &p = cloud.points[spoke.point];
-                p = reference.nearest_on_curve(at + near * unit(p - at), spoke.curve, true).point;
-            }
+            if (spoke.alone)
+                put_at(cloud, reference, corner, spoke, near);
 }
 
 /// The angles that patches have at the corners of the surface, by corner and patch.
