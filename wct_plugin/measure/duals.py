@@ -185,12 +185,12 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
     valid = overlap(mesh) is None
     if well_centered_3:
         return Tiers(valid, True, True, True, completely)
-    of_regions = region_parts.apart(mesh)
-    lengths, errors = dual_lengths(of_regions)
+    parts = region_parts.apart(mesh)
+    tables = quality.heights(mesh.points, mesh.tets)  # of the tets, which are the same in the parts
+    lengths, errors = (_per_facet(parts, table) for table in tables)
     if (lengths > errors).all():
         return Tiers(valid, True, True, False, False)
-    if of_regions is not mesh:
-        lengths, errors = dual_lengths(mesh)
+    lengths, errors = (_per_facet(mesh, table) for table in tables)
     return Tiers(valid, not _encroached(mesh, lengths, errors).any(), False, False, False)
 
 

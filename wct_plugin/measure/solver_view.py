@@ -87,8 +87,8 @@ class SolverView:
         return [*rows, ("all", *self.total.shown())] if len(self.regions) > 1 else rows
 
 
-def view(mesh: TetMesh) -> SolverView:
-    """Measure what solvers see of the regions of ``mesh``."""
+def view(mesh: TetMesh, of: duals.Duals | None = None) -> SolverView:
+    """Measure what solvers see of the regions of ``mesh``; pass its duals ``of`` where they are there already."""
     tags, of_tet = np.unique(mesh.regions, return_inverse=True)
 
     def summed(of: Ints, values: Floats | None = None) -> Floats:
@@ -100,7 +100,7 @@ def view(mesh: TetMesh) -> SolverView:
     of_point = np.zeros(len(parts.points), dtype=np.int64)
     of_point[parts.tets] = of_tet[:, None]
     of_edge = of_point[parts.topology.edges[:, 0]]
-    _, negative = duals.negative(parts, duals.compute_duals(parts))
+    _, negative = duals.negative(parts, of if of and parts is mesh else duals.compute_duals(parts))
     signed = quality.volumes(unit_scaling.normalized(mesh.points), mesh.tets)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = summed(of_tet, unsigned_volumes(mesh)) / summed(of_tet, signed)

@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -15,17 +16,17 @@ from wct_plugin.types import Bools, Ints
 
 def without(mesh: TetMesh) -> TetMesh:
     """The mesh without such cells, which a :class:`WctWarning` counts, naming the first of each kind, or it itself."""
-    on_tets = {"facets": _on(mesh, mesh.facets), "edges": _on(mesh, mesh.edges)}
-    if all(mask.all() for mask in on_tets.values()):
+    said: list[str] = []
+    kept: dict[str, Any] = {}
+    for name, word, cells in (("facets", "triangle", mesh.facets), ("edges", "line", mesh.edges)):
+        on = _on(mesh, cells)
+        if not on.all():
+            said.append(_described(word, cells, ~on))
+            kept[name] = cells.select(on)
+    if not kept:
         return mesh
-    kept: dict[str, Cells] = {name: getattr(mesh, name).select(mask) for name, mask in on_tets.items()}
-    said = [
-        _described(word, getattr(mesh, name), ~on_tets[name])
-        for name, word in (("facets", "triangle"), ("edges", "line"))
-        if not on_tets[name].all()
-    ]
     warnings.warn(f"{mesh.source or 'the mesh'}: no tet has {', nor '.join(said)}: not kept", WctWarning, stacklevel=5)
-    return replace(mesh, facets=kept["facets"], edges=kept["edges"])
+    return replace(mesh, **kept)
 
 
 def _on(mesh: TetMesh, cells: Cells) -> Bools:

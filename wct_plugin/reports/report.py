@@ -251,6 +251,7 @@ def make_report(
     )
     found = found or {}
     joints, coincident = count_joints(mesh), count_coincident(mesh)
+    dual = duals.compute_duals(mesh)
     return Report(
         source=mesh.source,
         points=len(mesh.points),
@@ -266,8 +267,8 @@ def make_report(
         ranges={name: (float(low.min()), float(high.max())) for name, (low, high) in ranges.items()},
         flags={name: int(mask.sum()) for name, mask in flags.items()},
         tiers=duals.tiers(mesh, measured),
-        negative_duals=count_negative_duals(mesh, duals.compute_duals(mesh)),
-        solver_view=solver_view.view(mesh),
+        negative_duals=count_negative_duals(mesh, dual),
+        solver_view=solver_view.view(mesh, dual),
         histograms=_histograms(mesh, measured),
         worst=_worst(mesh, measured, places, worst),
         bad_by_place={name: (int(all_tets[k]), int(bad[0][k]), int(bad[1][k])) for k, name in enumerate(PLACES)},
