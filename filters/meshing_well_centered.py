@@ -448,6 +448,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             kept,
             fixed,
             fixed[:0] if periodic is None else periodic.firm,
+            options.crease_angle,
         )
         fresh = None
         if moves and not _has_rough_sheets(mesh, own):

@@ -7,7 +7,9 @@
 #include <nanobind/stl/optional.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
@@ -175,8 +177,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
                               const std::optional<Array> &fixed, const std::optional<Array> &fixed_curves,
                               const std::optional<Array> &loose, double worth, double flat,
                               const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets,
-                              const std::optional<Array> &local_tolerance,
-                              const std::optional<long> &most_evaluations) {
+                              const std::optional<Array> &local_tolerance, const std::optional<long> &most_evaluations,
+                              double crease_angle) {
     const auto on = points_of(surface_points, "surface_points");
     const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
     const auto patch =
@@ -251,6 +253,8 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
         refuse("flat is " + std::to_string(flat) + "; it may not be negative");
     if (most_evaluations && *most_evaluations < 0)
         refuse("most_evaluations is " + std::to_string(*most_evaluations) + "; it may not be negative");
+    if (!(crease_angle > 0.0 && crease_angle <= 180.0))
+        refuse("crease_angle is " + std::to_string(crease_angle) + "; it must lie in 0..180 degrees");
     if (!(worth >= 0.0))
         refuse("worth is " + std::to_string(worth) + "; it may not be negative");
 
@@ -280,6 +284,7 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
     options.split_surface = split_surface;
     options.fixed = stays;
     options.fixed_curves = curve_stays;
+    options.crease = crease_angle < 180.0 ? std::cos(crease_angle / 180.0 * std::numbers::pi) : -1.0;
     options.passes = passes;
     options.kicks = kicks;
     options.seed = seed;
@@ -313,7 +318,8 @@ void bind_search(nb::module_ &m) {
           nb::arg("ruled_out") = nb::none(), nb::arg("fixed") = nb::none(), nb::arg("fixed_curves") = nb::none(),
           nb::arg("loose") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity(),
           nb::arg("flat") = 0.0, nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none(),
-          nb::arg("local_tolerance") = nb::none(), nb::arg("most_evaluations") = nb::none());
+          nb::arg("local_tolerance") = nb::none(), nb::arg("most_evaluations") = nb::none(),
+          nb::arg("crease_angle") = 180.0);
 }
 
 } // namespace wct::bindings

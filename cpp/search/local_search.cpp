@@ -48,6 +48,7 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
       group_(complex, energy_, guide, watch_), random_(options.seed),
       repair_(complex, energy_, operators_, descent_, group_, random_),
       kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
+    watch_.crease = options.crease;
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
     operators_.most = options.most;

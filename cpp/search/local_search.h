@@ -23,6 +23,7 @@ struct SearchOptions {
     long evaluations = std::numeric_limits<long>::max();
     /// Tets that the mesh may grow to.
     std::size_t most = std::numeric_limits<std::size_t>::max();
+    double crease = -1.0; // cosine of the angle by which creases bend, as of SurfaceWatch
     std::uint64_t seed = 0;
     std::vector<double> volumes; // that the regions are to have in the end, by number; none: any
 };

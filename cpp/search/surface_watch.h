@@ -4,6 +4,7 @@
 #include "search/tet_complex.h"
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace wct::search {
@@ -11,7 +12,7 @@ namespace wct::search {
 /// Keeps the surface facets of a complex and the surface they stand for within the tolerance of each other, both ways,
 /// while facets move or are replaced: the facets by where they are, the surface by its landmarks, each of which is
 /// owned by a facet that covers it. A facet that was beyond the tolerance from the start may stay so, but not get
-/// farther.
+/// farther. Nor does the surface come to bend as creases do where there is none: within a wide tolerance it could.
 class SurfaceWatch {
   public:
     SurfaceWatch(TetComplex &complex, const SurfaceGuide &guide) : complex_(complex), guide_(guide) {}
@@ -31,6 +32,9 @@ class SurfaceWatch {
     /// How far beyond the tolerance facets that come may be for now, in tolerances: a neighbourhood that is being
     /// rearranged may leave it on the way. 0 at rest.
     double loose = 0.0;
+    /// Cosine of the angle by which creases bend. Where the surface does not bend nearly as much, no edge within a
+    /// patch comes to bend more, unless one beside it that goes or moves has bent as much.
+    double crease = -1.0;
 
     /// Moving vertex v: name it, ask about places for it, and settle at one. That is granted where it is the place that
     /// was allowed last; of others the answer may be another than before: near two sheets of the surface it may depend
@@ -61,6 +65,16 @@ class SurfaceWatch {
         Facet key;
         int patch;
         std::array<Vec3, 3> corners;
+        std::int32_t hint; // where its patch is nearest to its middle
+    };
+    /// An edge between two facets of one patch.
+    struct Hinge {
+        std::size_t piece;
+        int corner; // of the piece, opposite the edge
+        int other;  // piece at the other side, or -1: a facet that stays
+        int other_corner;
+        Vec3 apex;   // of the facet that stays
+        Vec3 normal; // of the surface there
     };
     struct Handed {
         int landmark;
@@ -68,6 +82,12 @@ class SurfaceWatch {
     };
     bool facets_allow(const Vec3 &x);
     bool creases_allow(const Vec3 &x) const;
+    /// Those of the pieces, both of new and of gone ones with facets that stay; edges of creases only if `all`.
+    void find_hinges(const std::vector<Piece> &pieces, bool all, std::vector<Hinge> &hinges);
+    /// The smallest cosine of the angle by which pieces bend at hinges where they bend as creases do and the surface
+    /// does not; 1 if there are none.
+    double sharpest(const std::vector<Piece> &pieces, const std::vector<Hinge> &hinges) const;
+    bool bends_allow();
     Piece piece(const Facet &key, int patch) const;
     /// One that is in the complex.
     Piece present(const Facet &key, const TetComplex::SurfaceFacet &facet) const;
@@ -99,6 +119,8 @@ class SurfaceWatch {
     };
     Allowed allowed_; // the place allowed last, and what is to be noted there
     std::size_t suspect_ = 0;
+    std::vector<Hinge> hinges_;      // of the moving vertex's facets, once they are asked for
+    std::optional<double> sharpest_; // of them, where the vertex was
     std::vector<TetComplex::SurfaceAt> facets_;
 };
 

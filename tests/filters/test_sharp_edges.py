@@ -3,7 +3,7 @@ notch facets of one side must not reach across to the other."""
 
 import numpy as np
 import pytest
-from support.builders import kuhn_cube, rotation
+from support.builders import ball, kuhn_cube, rotation
 
 from wct_plugin import apply_filter
 from wct_plugin.core import _core
@@ -78,3 +78,11 @@ def test_facets_do_not_reach_across_a_notch(degrees, monkeypatch):
     assert quality.measure(better).completely_well_centered.all()
     assert measure_deviation(better.boundary_surface(), mesh.boundary_surface()).max < 1e-12
     assert _volume(better) == pytest.approx(_volume(mesh), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_wide_tolerance_makes_no_creases_on_a_ball(seed):
+    """It leaves room for facets that bend by more than the crease angle; the surface bends by 10 degrees."""
+    _, metrics = apply_filter("meshing_well_centered", ball(6), tolerance=5e-2, seed=seed)
+    assert metrics["bad"] == 0
+    assert metrics["sharp_edges"]["after"] == 0.0

@@ -397,6 +397,7 @@ def search_well_centered(
     most_tets: int | None = None,
     local_tolerance: NDArray[np.float64] | None = None,
     most_evaluations: int | None = None,
+    crease_angle: float = 180.0,
 ) -> SearchedArrays:
     """Reconnect and move by local search until all tets contain their circumcenter, and are ``acute`` in their facets.
 
@@ -425,6 +426,8 @@ def search_well_centered(
 
     ``worth``: evaluations per tet that getting rid of all bad tets is worth; kicks stop where it would take more.
     ``most_tets``: what the mesh may grow to. ``most_evaluations``: of tets' energies, after which kicks end.
+
+    ``crease_angle``, in degrees: no edge within a curved patch comes to bend more, if none beside it did before.
     """
 
 def closest_points(

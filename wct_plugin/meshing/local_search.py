@@ -67,6 +67,7 @@ class LocalSearch:
     held: HeldSurface | None = None  #: patches of a boundary that moves elsewhere
     fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
     firm: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: creases never given up
+    crease_angle: float = 180.0  #: in degrees: patches do not come to bend more
 
     @property
     def worth(self) -> float:
@@ -92,6 +93,7 @@ class LocalSearch:
             volumes=_volumes(on) if self.boundary == "move" else None,
             most_tets=self.limit.most,
             most_evaluations=int(part * self.work.left),
+            crease_angle=self.crease_angle,
             surface_points=on.points,
             surface_triangles=on.strata.triangles,
             surface_patch=on.strata.patch,
