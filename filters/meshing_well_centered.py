@@ -126,7 +126,11 @@ class MeshingOptions(Options):
         description="Points that coincide exactly: auto: facets that do match again, other points stay apart; none: all"
         " stay apart; all: all are joined",
     )
-    max_tets: int | None = Field(None, ge=1, description="Most tets that the new mesh may have (none: any number)")
+    max_tets: int | None = Field(
+        None,
+        ge=1,
+        description="Most tets that the new mesh may have (none: two million, or 20 times those that came if more)",
+    )
     margin: float = Field(0.02, ge=0, le=0.1, description="Clearance aimed at: smallest h/R and smallest cosine")
     effort: int = Field(1, ge=1, le=100, description="Multiplies the work after which the search ends")
     seed: int = Field(0, ge=0, description="Of the random choices")
@@ -427,12 +431,12 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         if not bad and not asked and _follows(mesh, own, reference, tolerance):
             none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
             none |= {"planes": plane, "local_tolerance": least, "estimate": None, "released": _no_crease(own)}
-            none["exhausted"] = False
+            none |= {"exhausted": False, "needed": None}
             return _Found(mesh, measured, tolerance, none, reference)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
-        limit = TetLimit(options.max_tets, listen)
+        limit = TetLimit(options.max_tets, len(mesh.tets), listen)
         allowed = WorkLimit(len(mesh.tets), options.effort)
         fixed = np.flatnonzero(choices.fixed)
         search = LocalSearch(
@@ -469,7 +473,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             tried = [] if stays else [search.run(start, own, within, np.inf if moves else search.worth)]
         work: Metrics = {name: sum(one[name] for one in tried) for name in ("passes", "kicks", "evaluations")}
         work |= {"stopped": listen.stopped, "kept": False, "planes": plane, "estimate": limit.expected}
-        work["exhausted"] = allowed.reached
+        work |= {"exhausted": allowed.reached, "needed": limit.needed}
         work["local_tolerance"] = least
         if not tried:  # stopped before there was any other mesh, or none has few enough tets
             work["released"] = _no_crease(own)
@@ -639,6 +643,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             fixed=choices.fixed[strata.patch],
             crease_angle=options.crease_angle,
             stopped=found.work["stopped"],
+            needed=found.work.get("needed"),
         )
         shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
         said: Metrics = {"groups": groups, "sharp_edges": sharp, "periodic": sides, "losses": losses}

@@ -1,5 +1,7 @@
 """At most so many tets, and how many are expected before there are any."""
 
+import re
+
 import pytest
 from support.builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape
 from support.searching import arguments
@@ -85,3 +87,23 @@ def test_a_start_that_is_far_too_large_is_not_even_begun():
         better, metrics = run(mesh, edge_length=1e-4, max_tets=5000)
     assert len(better.tets) <= 5000
     assert metrics["estimate"] == pytest.approx(12 * 1.1**3 / 1e-12, rel=0.3)
+
+
+def test_without_a_limit_absurd_sizes_are_refused_with_the_number_that_allows_them():
+    mesh = jittered_cube(3)
+    with pytest.warns(
+        WctWarning, match="about 1[0-9] 000 000 tets was not begun, 1?[0-9]+ 000 times those that came: max_tets="
+    ) as said:
+        result = (wct.Pipeline() | wct.Filter.meshing_well_centered(edge_length=1e-2)).apply(mesh)
+    allowed = int(re.search(r"max_tets=(\d+) allows", str(said[0].message))[1])
+    assert 1.1 < allowed / result.stages[-1].metrics["estimate"] < 1.4
+    if not (goal := result.goals[0]).met:
+        assert f"max_tets={allowed} allows it" in str(goal)
+    begun = []
+
+    def stop_at_once(state):
+        begun.append(state.expected)
+        return state.expected is None
+
+    run(mesh, edge_length=1e-2, max_tets=allowed, progress=stop_at_once)
+    assert begun[-1] == result.stages[-1].metrics["estimate"]

@@ -23,6 +23,8 @@ def together(works: Sequence[Mapping[str, Any]], shares: Sequence[float]) -> Met
     out["released"] = {"creases": creases, "length": length}
     estimates = [one["estimate"] for one in works if one["estimate"] is not None]
     out["estimate"] = sum(estimates) if estimates else None
+    needed = [one["needed"] for one in works if one["needed"] is not None]
+    out["needed"] = sum(needed) if needed else None
     counts = [(one["planes"], share) for one, share in zip(works, shares, strict=True) if one["planes"]]
     out["planes"] = (
         {name: sum(one[name] for one, _ in counts) for name in ("patches", "planes", "axis")}

@@ -1,5 +1,6 @@
 """How many tets a result may have at most, and how many a start is expected to have before it is made."""
 
+import math
 import warnings
 
 from wct_plugin.errors import WctWarning
@@ -8,23 +9,41 @@ from wct_plugin.meshing.phase_progress import Listener
 #: A start is not even begun where so many times more tets are expected than there may be: the estimate is not off by
 #: more where the tolerance is above the depth of the surface's own facets.
 _SURELY = 1.25
+#: Nor, where nobody named a limit, with more than so many tets, if that is so many times those that came: a layer of a
+#: thousandth of the body, or an edge length in the wrong unit, would take hours and all memory.
+_MANY, _TIMES = 2_000_000, 20
 
 
 class TetLimit:
-    """The most that there may be (None: any number), and what has been expected and refused on the way."""
+    """The most that there may be (None: any number), and what has been expected and refused on the way.
 
-    def __init__(self, most: int | None, listen: Listener) -> None:
+    ``came``: tets of the mesh that came in.
+    """
+
+    def __init__(self, most: int | None, came: int, listen: Listener) -> None:
         self.most = most
         self.expected: int | None = None  #: tets of the first start, about
-        self.refused = ""  #: the start that had too many tets, in words
+        self.needed: int | None = None  #: a limit with which the first start that was refused would have been made
+        self._came = came
+        self._refused = ""  #: how many tets that start had, in words
         self._listen = listen
 
     def expect(self, tets: float) -> bool:
         """Hear about how many tets a start will have; whether to make it."""
         if self.expected is None:
             self.expected = round(tets)
+        if self.most is None and tets > max(_MANY, _TIMES * self._came):
+            self._refuse(tets, f"about {_rounded(tets)}")
+            warnings.warn(
+                f"a start of about {_rounded(tets)} tets was not begun, {_rounded(tets / self._came)} times those that"
+                f" came: max_tets={self.needed} allows it; a larger tolerance or a longer edge_length takes"
+                " fewer",
+                WctWarning,
+                stacklevel=4,
+            )
+            return False
         if self.most is not None and tets > _SURELY * self.most:
-            self._refuse(f"about {_rounded(tets)}")
+            self._refuse(tets, f"about {_rounded(tets)}")
             return False
         return self._listen.expect(round(tets))
 
@@ -32,7 +51,7 @@ class TetLimit:
         """Whether a mesh of so many tets may be a start or a result."""
         if self.holds(tets):
             return True
-        self._refuse(str(tets))
+        self._refuse(tets, str(tets))
         return False
 
     def holds(self, tets: int) -> bool:
@@ -41,16 +60,19 @@ class TetLimit:
 
     def warn(self, *, missed: bool) -> None:
         """Say what was refused, where something asked for is missed."""
-        if self.refused and missed:
+        if self._refused and missed and self.most is not None:
             warnings.warn(
-                f"a start of {self.refused} tets was not taken, as option 'max_tets' is {self.most}; a larger tolerance"
-                " or a longer edge_length takes fewer",
+                f"a start of {self._refused} tets was not taken, as option 'max_tets' is {self.most}; a larger"
+                " tolerance or a longer edge_length takes fewer",
                 WctWarning,
                 stacklevel=4,
             )
 
-    def _refuse(self, tets: str) -> None:
-        self.refused = self.refused or tets
+    def _refuse(self, tets: float, said: str) -> None:
+        self._refused = self._refused or said
+        if self.needed is None:
+            digit = 10.0 ** (math.floor(math.log10(tets)) - 1)
+            self.needed = round(math.ceil(_SURELY * tets / digit) * digit)
 
 
 def _rounded(tets: float) -> str:

@@ -67,12 +67,14 @@ def list_remaining(
     boundary: Boundary,
     crease_angle: float,
     stopped: bool,
+    needed: int | None = None,
     connectivity: Connectivity = "free",
     fixed: Bools | None = None,
 ) -> Remaining:
     """Classify every tet that misses ``goal``, worst first by the smaller of min h/R and the smallest cosine.
 
-    The options as of :func:`wct_plugin.obstructions.find_reasons`.
+    The options as of :func:`wct_plugin.obstructions.find_reasons`. ``needed``: tets without which there was no new
+    start.
     """
     acute, dual = goal == "cwc", goal in DUAL
     bad = np.flatnonzero(misses(mesh, measured, goal))
@@ -94,7 +96,12 @@ def list_remaining(
         holds_3, holds_2 = bool(measured.well_centered_3[tet]), bool(measured.well_centered_2[tet])
         missed = [name for name, held in (("3WC", holds_3), ("2WC", holds_2)) if not held]
         proof = proofs.get(tet)
-        option = proof.frees if proof else "more time: it was stopped" if stopped else advice.option(tet, stratum)
+        if proof:
+            option = proof.frees
+        elif stopped:
+            option = "more time: it was stopped"
+        else:
+            option = f"max_tets={needed}" if needed else advice.option(tet, stratum)
         tets.append(
             {
                 "tet": tet,

@@ -34,6 +34,7 @@ class Goal:
     losses: tuple[str, ...] = ()  #: what of the domain was not kept
     stopped: bool = False  #: the work was cut short
     exhausted: bool = False  #: the search took all the work that the option effort allows
+    needed: int | None = None  #: value of max_tets that a new start would have taken
 
     @property
     def met(self) -> bool:
@@ -55,6 +56,8 @@ class Goal:
         )
         if self.stopped:
             said.append("the work was stopped")
+        elif self.missed and self.needed is not None:
+            said.append(f"a new start would have taken more tets: max_tets={self.needed} allows it")
         elif self.missed and self.exhausted:
             said.append("the search ended at its limit of work; a larger effort goes on")
         return f"{self.stage}: " + "; ".join((*said, *self.losses))
@@ -87,8 +90,18 @@ class StageResult:
         most = getattr(self.stage.options, "max_tets", None)
         losses = tuple(loss["text"] for loss in self.metrics.get("losses", ()))
         stopped, valid = bool(self.metrics.get("stopped")), overlap(mesh) is None
-        exhausted = bool(self.metrics.get("exhausted"))
-        return Goal(self.stage.type(), goal, len(missing), int(missing.sum()), valid, most, losses, stopped, exhausted)
+        return Goal(
+            self.stage.type(),
+            goal,
+            len(missing),
+            int(missing.sum()),
+            valid,
+            most,
+            losses,
+            stopped,
+            exhausted=bool(self.metrics.get("exhausted")),
+            needed=self.metrics.get("needed"),
+        )
 
 
 @dataclass(frozen=True, eq=False)
