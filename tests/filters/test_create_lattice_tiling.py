@@ -43,6 +43,19 @@ def test_circumcenters_of_the_first_type_are_the_closed_form():
     assert center == pytest.approx([0.5, (a * a - 0.25) / (2 * a), (b * b - 0.25) / (2 * b)], rel=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("a", "height", "tets"), [(0.55, 0.095, 3.3), (1.0, 0.076, 1.8), (1.65, 0.053, 1.1), (3, 0.031, 0.6)]
+)
+def test_a_slab_of_one_layer_may_be_stretched(a, height, tets):
+    """In one direction, with clearance and number as in docs/hardness.md."""
+    mesh, _ = tiling(domain="slab", q=1, a=a, b=0.55, nx=2, p=2)
+    measured = quality.measure(mesh)
+    assert measured.min_height.min() == pytest.approx(height, abs=1e-3)
+    assert np.cos(np.radians(measured.max_face_angle.max())) == pytest.approx(0.095, abs=1e-3)
+    volume = quality.volumes(mesh.points, mesh.tets).sum()
+    assert len(mesh.tets) * 0.55**3 / volume == pytest.approx(tets, abs=0.06)
+
+
 @pytest.mark.parametrize(("domain", "repeats"), [("cell", 3), ("slab", 2), ("prism", 1)])
 @pytest.mark.parametrize("counts", [(3, 2, 2), (4, 3, 1), (3, 3, 3)])
 def test_periods_close_the_domain(domain, repeats, counts):
