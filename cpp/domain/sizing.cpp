@@ -331,6 +331,10 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     for (std::size_t v = 0; v < sum.size(); ++v)
         if (weight[v] > 0.0)
             limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
+    // At the rim of a layer the mean is that of the walls beside it, which are long.
+    for (std::size_t v = 0; v < layer_.size(); ++v)
+        if (layer_[v] > 0.0)
+            limit_[v] = std::min(limit_[v], kLayer * layer_[v]);
 }
 
 void Sizing::limit_by_sharp_edges() {
