@@ -10,24 +10,29 @@ namespace wct::sampling {
 
 namespace {
 
-/// Corners of facets that cut far across from one planar patch to another: nothing brings such a facet back, as planes
-/// are kept by keeping their vertices in them. Where single triangles of noise are patches, some are a little off; to
-/// give up the whole start for them would cost far more.
+/// Corners of facets that cut across from one planar patch to another: nothing brings such a facet back, as planes are
+/// kept by keeping their vertices in them. Where single triangles of noise are patches, some are a little off; to give
+/// up the whole start for them would cost far more.
 std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &complex,
-                               const domain::Reference &reference, double tolerance) {
+                               const domain::Reference &reference, const domain::SizingForm &sizing) {
     constexpr double far = 4.0; // tolerances
     const auto off = [&](const std::array<int, 3> &facet) {
         const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
         for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
-            if (reference.nearest(p).distance > far * tolerance)
+            if (reference.nearest(p).distance > far * sizing.tolerance)
                 return true;
         return false;
+    };
+    const auto kept = [&](int v) {
+        const std::vector<int> patches = patches_of(cloud, reference, v);
+        return std::all_of(patches.begin(), patches.end(),
+                           [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); });
     };
     std::vector<int> corners;
     for (const auto &facet : surface_facets(complex))
         if (shared_patches(cloud, reference, facet).empty() &&
             std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
-            off(facet))
+            (std::all_of(facet.begin(), facet.end(), kept) || off(facet)))
             corners.insert(corners.end(), facet.begin(), facet.end());
     return corners;
 }
@@ -58,7 +63,7 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws) {
 
 std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
                              const domain::SizingForm &sizing) {
-    std::vector<int> lost = across_planes(cloud, complex, reference, sizing.tolerance);
+    std::vector<int> lost = across_planes(cloud, complex, reference, sizing);
     const std::vector<int> open = open_creases(cloud, complex, reference, sizing);
     lost.insert(lost.end(), open.begin(), open.end());
     const std::vector<int> torn = torn_sheets(cloud, reference, complex);

@@ -5,6 +5,7 @@
 #include "sampling/lost_domain.h"
 #include "sampling/odt_relaxation.h"
 #include "sampling/pinch_mending.h"
+#include "sampling/plane_recovery.h"
 #include "sampling/sharp_edge_rows.h"
 #include "sampling/sheets.h"
 #include "sampling/tet_estimate.h"
@@ -242,7 +243,9 @@ Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::
             settle(cloud, reference, held, shell, direction, workers);
             complex = restricted_delaunay(cloud, reference, map, workers, held);
         }
-        if (recover_creases(cloud, reference, complex, held, workers) == 0 && !promoted)
+        const int on_creases = recover_creases(cloud, reference, complex, held, workers);
+        const int on_planes = recover_planes(cloud, reference, complex, workers); // may take points away: comes last
+        if (on_creases + on_planes == 0 && !promoted)
             break;
         flaws = look();
     }

@@ -1,0 +1,166 @@
+#include "sampling/plane_recovery.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace wct::sampling {
+
+namespace {
+
+/// An interior point nearer to the plane than this, in sizes, goes.
+constexpr double kClose = 0.7;
+/// A point of another patch nearer than this goes, and points of the surface are not put closer to each other.
+constexpr double kCrowded = 0.35;
+/// Where the edge passes this near a crease, in sizes, the crease gets the point.
+constexpr double kAtCrease = 0.3;
+
+/// Where an edge passes through a plane.
+struct Crossing {
+    int patch;
+    Vec3 at;
+    std::array<double, 2> heights; // of the edge's ends over the plane
+};
+
+std::optional<Crossing> crossing(const Cloud &cloud, const domain::Reference &reference, int v, int w, int patch) {
+    constexpr double flat = 1e-6; // edges: an end so near the plane is in it
+    const Vec3 &p = cloud.points[v], &q = cloud.points[w];
+    const domain::Foot foot = reference.nearest(0.5 * (p + q), patch);
+    const Vec3 &n = reference.normal(foot.triangle);
+    const double above = dot(p - foot.point, n), below = dot(q - foot.point, n), edge = norm(p - q);
+    if (!(above * below < 0.0) || std::min(std::fabs(above), std::fabs(below)) < flat * edge)
+        return std::nullopt;
+    const double share = above / (above - below);
+    const Vec3 at = (1.0 - share) * p + share * q;
+    if (reference.nearest(at, patch, foot.triangle).distance > flat * edge)
+        return std::nullopt; // past its rim
+    return Crossing{patch, at, {std::fabs(above), std::fabs(below)}};
+}
+
+class PlaneRecovery {
+  public:
+    PlaneRecovery(Cloud &cloud, const domain::Reference &reference)
+        : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {}
+
+    /// The edge of the tet that passes through a plane of its other corners, if one does.
+    void look_at(const std::array<int, 4> &tet) {
+        for (const auto &[i, j] : kEdges) {
+            const int v = tet[i], w = tet[j];
+            const std::vector<int> own = patches(v), others = patches(w);
+            for (int k = 0; k < 4; ++k) {
+                if (k == i || k == j)
+                    continue;
+                for (const int patch : patches(tet[k]))
+                    if (reference_.planar(patch) && !std::binary_search(own.begin(), own.end(), patch) &&
+                        !std::binary_search(others.begin(), others.end(), patch))
+                        if (const auto found = crossing(cloud_, reference_, v, w, patch)) {
+                            mend(*found, v, w);
+                            return;
+                        }
+            }
+        }
+    }
+
+    int finish(const Workers &workers) {
+        keep_.resize(cloud_.count(), 1);
+        cloud_.keep(keep_);
+        if (changes_)
+            retract(cloud_, reference_, workers);
+        return changes_;
+    }
+
+  private:
+    std::vector<int> patches(int v) const {
+        return cloud_.role[v] == Stratum::interior ? std::vector<int>{} : patches_of(cloud_, reference_, v);
+    }
+
+    void mend(const Crossing &found, int v, int w) {
+        if (!keep_[v] || !keep_[w])
+            return; // gone for another edge
+        bool gone = false;
+        for (const auto &[end, height] : {std::pair{v, found.heights[0]}, std::pair{w, found.heights[1]}})
+            if (cloud_.held[end] < Hold::all && height < least_height(end)) {
+                keep_[end] = 0;
+                ++changes_;
+                gone = true;
+            }
+        if (!gone)
+            put(found, 0.5 * (cloud_.size[v] + cloud_.size[w]));
+    }
+
+    /// As near to the plane the point may be, for which there is no room beside those that the plane needs.
+    double least_height(int v) const {
+        const Stratum role = cloud_.role[v];
+        const double share = role == Stratum::interior ? kClose : role == Stratum::patch ? kCrowded : 0.0;
+        return share * cloud_.size[v];
+    }
+
+    void put(const Crossing &found, double size) {
+        Stratum role = Stratum::patch;
+        int label = found.patch;
+        Vec3 at = found.at;
+        double least = kAtCrease * size;
+        for (int curve = 0; curve < static_cast<int>(reference_.curves().size()); ++curve) {
+            const std::vector<int> &beside = reference_.patches_at_curve(curve);
+            if (!std::binary_search(beside.begin(), beside.end(), found.patch))
+                continue;
+            const domain::CurveFoot foot = reference_.nearest_on_curve(found.at, curve);
+            if (foot.distance < least) {
+                least = foot.distance;
+                role = Stratum::crease;
+                label = curve;
+                at = foot.point;
+            }
+        }
+        if (grid_.crowded(at, kCrowded * size))
+            return;
+        grid_.add(at, kCrowded * size);
+        cloud_.add(at, role, label, size);
+        ++changes_;
+    }
+
+    Cloud &cloud_;
+    const domain::Reference &reference_;
+    PointGrid grid_;
+    std::vector<char> keep_; // of the points there were at first
+    int changes_ = 0;
+};
+
+/// Tets beside facets that cut across from one planar patch to another.
+std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &reference,
+                              const RestrictedDelaunay &complex) {
+    std::vector<int> tets;
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i) {
+            if (!complex.on_surface(t, i))
+                continue;
+            const std::array<int, 3> facet = complex.facet(t, i);
+            if (std::any_of(
+                    facet.begin(), facet.end(),
+                    [&](int v) { return cloud.role[v] == Stratum::interior || on_curved(cloud, reference, v); }) ||
+                !shared_patches(cloud, reference, facet).empty())
+                continue;
+            tets.push_back(t);
+            if (complex.all.neighbours[t][i] >= 0)
+                tets.push_back(complex.all.neighbours[t][i]);
+        }
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    return tets;
+}
+
+} // namespace
+
+int recover_planes(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
+                   const Workers &workers) {
+    const std::vector<int> tets = tets_at_cuts(cloud, reference, complex);
+    if (tets.empty())
+        return 0;
+    PlaneRecovery recovery(cloud, reference);
+    for (const int t : tets)
+        recovery.look_at(complex.all.tets[t]);
+    return recovery.finish(workers);
+}
+
+} // namespace wct::sampling
