@@ -126,7 +126,17 @@ def test_a_partial_restart_keeps_the_fixed_face(acute, monkeypatch):
     listen = Listener(lambda _: True, 0)
     fixed, within = np.flatnonzero(stays), Tolerance(1e-3)
     search = LocalSearch(
-        acute, "move", True, 0.02, 1, 0, listen, TetLimit(None, len(acute.tets), listen), WorkLimit(len(acute.tets), 1), held, fixed
+        acute,
+        "move",
+        True,
+        0.02,
+        1,
+        0,
+        listen,
+        TetLimit(None, len(acute.tets), listen),
+        WorkLimit(len(acute.tets), 1),
+        held,
+        fixed,
     )
     start = search.resampled(own, within, Lengths())
     found = search.run(start, own, within)
