@@ -331,10 +331,13 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     for (std::size_t v = 0; v < sum.size(); ++v)
         if (weight[v] > 0.0)
             limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
-    // At the rim of a layer the mean is that of the walls beside it, which are long.
-    for (std::size_t v = 0; v < layer_.size(); ++v)
-        if (layer_[v] > 0.0)
-            limit_[v] = std::min(limit_[v], kLayer * layer_[v]);
+    // Where a layer's interface ends, the mean is that of the walls beside the layer, which are long.
+    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+        const auto &[behind, before] = data.sides[data.patch[t]];
+        for (const int at : data.triangles[t])
+            if (layer_[at] > 0.0 && behind >= 0 && before >= 0)
+                limit_[at] = std::min(limit_[at], kLayer * layer_[at]);
+    }
 }
 
 void Sizing::limit_by_sharp_edges() {

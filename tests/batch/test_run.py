@@ -96,6 +96,7 @@ def test_a_record_holds_what_was_done(done):
             "losses": [],
             "stopped": False,
             "exhausted": False,
+            "needed": None,
         }
     ]
     assert "apply_coord_well_centering" in good["metrics"]
