@@ -52,7 +52,7 @@ class PlaneRecovery {
                 if (k == i || k == j)
                     continue;
                 for (const int patch : patches(tet[k]))
-                    if (reference_.planar(patch) && !std::binary_search(own.begin(), own.end(), patch) &&
+                    if (between_regions(patch) && !std::binary_search(own.begin(), own.end(), patch) &&
                         !std::binary_search(others.begin(), others.end(), patch))
                         if (const auto found = crossing(cloud_, reference_, v, w, patch)) {
                             mend(*found, v, w);
@@ -71,6 +71,11 @@ class PlaneRecovery {
     }
 
   private:
+    /// What cuts across the outside is left to shorter edges there: a point put on it would leave its corner as it is.
+    bool between_regions(int patch) const {
+        const auto &[behind, before] = reference_.data().sides[patch];
+        return reference_.planar(patch) && behind >= 0 && before >= 0;
+    }
     std::vector<int> patches(int v) const {
         return cloud_.role[v] == Stratum::interior ? std::vector<int>{} : patches_of(cloud_, reference_, v);
     }
