@@ -334,8 +334,10 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     // Where a layer's interface ends, the mean is that of the walls beside the layer, which are long.
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         const auto &[behind, before] = data.sides[data.patch[t]];
+        if (behind < 0 || before < 0 || behind == before)
+            continue;
         for (const int at : data.triangles[t])
-            if (layer_[at] > 0.0 && behind >= 0 && before >= 0)
+            if (layer_[at] > 0.0)
                 limit_[at] = std::min(limit_[at], kLayer * layer_[at]);
     }
 }

@@ -33,7 +33,7 @@ MESHING = "meshing_well_centered"
         ("cube of 48 tets", MESHING, {"goal": "3wc", "edge_length": 0.05, "boundary": "fixed"}, 4, {"resampling": 2}),
         ("cube of 48 tets", MESHING, {"goal": "3wc", "edge_length": 0.05, "boundary": "keep"}, 4, {"resampling": 2}),
         ("cube of 162 tets", MESHING, {}, 60, {"local search: passes": 4, "local search: kicks": 4}),
-        ("scattered sheets", MESHING, {"boundary": "fixed"}, 20, {"local search: passes": 4, "local search: kicks": 4}),
+        ("scattered sheets", MESHING, {"boundary": "fixed"}, 15, {"local search: passes": 4, "local search: kicks": 4}),
         ("scattered sheets", MESHING, {"goal": "one-sided", "effort": 100}, 5, {"conforming": 1}),
         ("cube of 162 tets", "apply_coord_well_centering", {"goal": "3wc"}, 20, {"moving vertices": 2}),
         ("shaken cube", "compute_power_weights", {}, 20, {"weighing vertices": 4}),
