@@ -82,6 +82,11 @@ std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &ref
     return shared;
 }
 
+bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 3> &facet) {
+    return shared_patches(cloud, reference, facet).empty() &&
+           std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); });
+}
+
 std::vector<char> on_wires(const Cloud &cloud, const domain::Reference &reference) {
     std::vector<char> ends(reference.data().points.size(), 0);
     for (std::size_t c = 0; c < reference.curves().size(); ++c) {

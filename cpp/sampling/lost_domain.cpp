@@ -10,6 +10,10 @@ namespace wct::sampling {
 
 namespace {
 
+bool keeps(const domain::Reference &reference, int patch, const domain::SizingForm &sizing) {
+    return reference.keeps(patch, sizing.least_at(patch, reference));
+}
+
 /// Corners of facets that cut across from one planar patch to another: nothing brings such a facet back, as planes are
 /// kept by keeping their vertices in them. Where single triangles of noise are patches, some are a little off; to give
 /// up the whole start for them would cost far more.
@@ -25,14 +29,11 @@ std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &com
     };
     const auto kept = [&](int v) {
         const std::vector<int> patches = patches_of(cloud, reference, v);
-        return std::all_of(patches.begin(), patches.end(),
-                           [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); });
+        return std::all_of(patches.begin(), patches.end(), [&](int p) { return keeps(reference, p, sizing); });
     };
     std::vector<int> corners;
     for (const auto &facet : surface_facets(complex))
-        if (shared_patches(cloud, reference, facet).empty() &&
-            std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); }) &&
-            (std::all_of(facet.begin(), facet.end(), kept) || off(facet)))
+        if (cuts_across(cloud, reference, facet) && (std::all_of(facet.begin(), facet.end(), kept) || off(facet)))
             corners.insert(corners.end(), facet.begin(), facet.end());
     return corners;
 }
@@ -45,8 +46,8 @@ std::vector<int> open_creases(const Cloud &cloud, const RestrictedDelaunay &comp
     std::vector<int> ends;
     for (const CreaseGap &gap : crease_gaps(cloud, reference, complex)) {
         const std::vector<int> &patches = reference.patches_at_curve(gap.curve);
-        if (patches.empty() || std::any_of(patches.begin(), patches.end(),
-                                           [&](int p) { return reference.keeps(p, sizing.least_at(p, reference)); }))
+        if (patches.empty() ||
+            std::any_of(patches.begin(), patches.end(), [&](int p) { return keeps(reference, p, sizing); }))
             ends.insert(ends.end(), {gap.first, gap.second});
     }
     return ends;

@@ -18,7 +18,6 @@ constexpr double kAtCrease = 0.3;
 
 /// Where an edge passes through a plane.
 struct Crossing {
-    int patch;
     Vec3 at;
     std::array<double, 2> heights; // of the edge's ends over the plane
 };
@@ -35,7 +34,7 @@ std::optional<Crossing> crossing(const Cloud &cloud, const domain::Reference &re
     const Vec3 at = (1.0 - share) * p + share * q;
     if (reference.nearest(at, patch, foot.triangle).distance > flat * edge)
         return std::nullopt; // past its rim
-    return Crossing{patch, at, {std::fabs(above), std::fabs(below)}};
+    return Crossing{at, {std::fabs(above), std::fabs(below)}};
 }
 
 class PlaneRecovery {
@@ -45,21 +44,14 @@ class PlaneRecovery {
 
     /// The edge of the tet that passes through a plane of its other corners, if one does.
     void look_at(const std::array<int, 4> &tet) {
-        for (const auto &[i, j] : kEdges) {
-            const int v = tet[i], w = tet[j];
-            const std::vector<int> own = patches(v), others = patches(w);
-            for (int k = 0; k < 4; ++k) {
-                if (k == i || k == j)
-                    continue;
-                for (const int patch : patches(tet[k]))
-                    if (between_regions(patch) && !std::binary_search(own.begin(), own.end(), patch) &&
-                        !std::binary_search(others.begin(), others.end(), patch))
-                        if (const auto found = crossing(cloud_, reference_, v, w, patch)) {
-                            mend(*found, v, w);
-                            return;
-                        }
-            }
-        }
+        std::array<std::vector<int>, 4> own;
+        for (int i = 0; i < 4; ++i)
+            own[i] = patches_of(cloud_, reference_, tet[i]);
+        for (const auto &[i, j] : kEdges)
+            for (int k = 0; k < 4; ++k)
+                for (const int patch : own[k]) // of an end there is none that the ends do not have
+                    if (inside(patch) && !has(own[i], patch) && !has(own[j], patch) && mend(tet[i], tet[j], patch))
+                        return;
     }
 
     int finish(const Workers &workers) {
@@ -71,27 +63,32 @@ class PlaneRecovery {
     }
 
   private:
+    static bool has(const std::vector<int> &patches, int patch) {
+        return std::binary_search(patches.begin(), patches.end(), patch);
+    }
     /// What cuts across the outside is left to shorter edges there: a point put on it would leave its corner as it is.
-    bool between_regions(int patch) const {
+    bool inside(int patch) const {
         const auto &[behind, before] = reference_.data().sides[patch];
         return reference_.planar(patch) && behind >= 0 && before >= 0;
     }
-    std::vector<int> patches(int v) const {
-        return cloud_.role[v] == Stratum::interior ? std::vector<int>{} : patches_of(cloud_, reference_, v);
-    }
 
-    void mend(const Crossing &found, int v, int w) {
+    /// Whether the edge passes through the patch; then it will no more, if it may be changed.
+    bool mend(int v, int w, int patch) {
+        const auto found = crossing(cloud_, reference_, v, w, patch);
+        if (!found)
+            return false;
         if (!keep_[v] || !keep_[w])
-            return; // gone for another edge
+            return true; // gone for another edge
         bool gone = false;
-        for (const auto &[end, height] : {std::pair{v, found.heights[0]}, std::pair{w, found.heights[1]}})
+        for (const auto &[end, height] : {std::pair{v, found->heights[0]}, std::pair{w, found->heights[1]}})
             if (cloud_.held[end] < Hold::all && height < least_height(end)) {
                 keep_[end] = 0;
                 ++changes_;
                 gone = true;
             }
         if (!gone)
-            put(found, 0.5 * (cloud_.size[v] + cloud_.size[w]));
+            put(found->at, patch, 0.5 * (cloud_.size[v] + cloud_.size[w]));
+        return true;
     }
 
     /// As near to the plane the point may be, for which there is no room beside those that the plane needs.
@@ -101,16 +98,15 @@ class PlaneRecovery {
         return share * cloud_.size[v];
     }
 
-    void put(const Crossing &found, double size) {
+    void put(Vec3 at, int patch, double size) {
         Stratum role = Stratum::patch;
-        int label = found.patch;
-        Vec3 at = found.at;
+        int label = patch;
+        const Vec3 passed = at;
         double least = kAtCrease * size;
         for (int curve = 0; curve < static_cast<int>(reference_.curves().size()); ++curve) {
-            const std::vector<int> &beside = reference_.patches_at_curve(curve);
-            if (!std::binary_search(beside.begin(), beside.end(), found.patch))
+            if (!has(reference_.patches_at_curve(curve), patch))
                 continue;
-            const domain::CurveFoot foot = reference_.nearest_on_curve(found.at, curve);
+            const domain::CurveFoot foot = reference_.nearest_on_curve(passed, curve);
             if (foot.distance < least) {
                 least = foot.distance;
                 role = Stratum::crease;
@@ -141,10 +137,8 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
             if (!complex.on_surface(t, i))
                 continue;
             const std::array<int, 3> facet = complex.facet(t, i);
-            if (std::any_of(
-                    facet.begin(), facet.end(),
-                    [&](int v) { return cloud.role[v] == Stratum::interior || on_curved(cloud, reference, v); }) ||
-                !shared_patches(cloud, reference, facet).empty())
+            if (std::any_of(facet.begin(), facet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) ||
+                !cuts_across(cloud, reference, facet))
                 continue;
             tets.push_back(t);
             if (complex.all.neighbours[t][i] >= 0)

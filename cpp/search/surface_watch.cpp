@@ -1,7 +1,6 @@
 #include "search/surface_watch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 
@@ -9,9 +8,6 @@ namespace wct::search {
 
 namespace {
 constexpr double kUnfolded = 0.5; // cosine of the angle a facet may turn by in one move
-/// Radians by which facets may bend more than the surface that they are near. With 30 degrees, balls whose own facets
-/// bend by 18 get edges that bend as creases do; with none, the search does not get past creases that fade out.
-constexpr double kRough = 0.44;
 /// Over by rounding is over all the same.
 constexpr double kLeast = 1e-6;
 /// What is as far over as it was may come out this much farther.
@@ -19,14 +15,6 @@ constexpr double kRounding = 1.0 + 1e-9;
 
 std::array<double, 9> coordinates(const std::array<Vec3, 3> &c) {
     return {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z};
-}
-
-/// Cosine of the angle by which two triangles bend at their edge ab, whose other corners are c and d: 1 in a plane.
-double bend(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
-    const Vec3 along = unit(b - a);
-    const Vec3 p = c - a - dot(c - a, along) * along;
-    const Vec3 q = d - a - dot(d - a, along) * along;
-    return -dot(p, q) / (norm(p) * norm(q));
 }
 
 } // namespace
@@ -83,7 +71,7 @@ void SurfaceWatch::clear() {
     old_.clear();
     new_.clear();
     beside_.clear();
-    sharpest_.reset();
+    hinges_.clear();
 }
 
 void SurfaceWatch::goes(const Facet &key) {
@@ -128,80 +116,7 @@ bool SurfaceWatch::allows_replacing() {
         return false;
     if (!landmarks_covered())
         return false;
-    if (std::any_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; }))
-        return false;
-    if (crease <= -1.0)
-        return true;
-    find_hinges(new_, false, hinges_);
-    if (const double is = sharpest(new_, hinges_); is < crease) {
-        find_hinges(old_, true, hinges_);
-        return is >= sharpest(old_, hinges_);
-    }
-    return true;
-}
-
-void SurfaceWatch::find_hinges(const std::vector<Piece> &pieces, bool all, std::vector<Hinge> &hinges) {
-    const auto corner_off = [](const Facet &f, int a, int b) { // -1: the facet has no edge ab
-        int off = -1, on = 0;
-        for (int k = 0; k < 3; ++k)
-            if (f[k] == a || f[k] == b)
-                ++on;
-            else
-                off = k;
-        return on == 2 ? off : -1;
-    };
-    hinges.clear();
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const Piece &piece = pieces[i];
-        if (piece.planar)
-            continue;
-        for (int k = 0; k < 3; ++k) {
-            const int a = piece.key[(k + 1) % 3], b = piece.key[(k + 2) % 3];
-            if (!all && complex_.curve_of(a, b) >= 0)
-                continue;
-            std::size_t j = 0;
-            int off = -1;
-            for (; j < pieces.size(); ++j)
-                if (j != i && pieces[j].patch == piece.patch && (off = corner_off(pieces[j].key, a, b)) >= 0)
-                    break;
-            if (off >= 0) {
-                if (i < j)
-                    hinges.push_back({i, k, static_cast<int>(j), off, {}, {}});
-                continue;
-            }
-            for (const Beside &facet : beside(a))
-                if (facet.patch == piece.patch && (off = corner_off(facet.key, a, b)) >= 0) {
-                    hinges.push_back({i, k, -1, -1, facet.corners[off], guide_.normal(piece.patch, facet.hint)});
-                    break;
-                }
-        }
-    }
-}
-
-double SurfaceWatch::sharpest(const std::vector<Piece> &pieces, const std::vector<Hinge> &hinges) const {
-    double least = 1.0;
-    for (const Hinge &hinge : hinges) {
-        const Piece &piece = pieces[hinge.piece];
-        const std::array<Vec3, 3> &c = piece.corners;
-        const Piece *other = hinge.other >= 0 ? &pieces[hinge.other] : nullptr;
-        const double is = bend(c[(hinge.corner + 1) % 3], c[(hinge.corner + 2) % 3], c[hinge.corner],
-                               other ? other->corners[hinge.other_corner] : hinge.apex);
-        if (is >= std::min(crease, least))
-            continue;
-        const Vec3 beyond = other ? guide_.normal(other->patch, other->hints[0]) : hinge.normal;
-        if (std::acos(is) > angle(guide_.normal(piece.patch, piece.hints[0]), beyond) + kRough)
-            least = is;
-    }
-    return least;
-}
-
-/// The facets at the moving vertex.
-bool SurfaceWatch::bends_allow() {
-    if (!sharpest_) {
-        find_hinges(old_, false, hinges_);
-        sharpest_ = sharpest(old_, hinges_);
-    }
-    return sharpest(new_, hinges_) >= std::min(crease, *sharpest_);
+    return std::none_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; }) && bends_allow();
 }
 
 bool SurfaceWatch::replace() {
@@ -277,10 +192,9 @@ bool SurfaceWatch::facets_allow(const Vec3 &x) {
     }
     if (!landmarks_covered())
         return false;
-    if (std::any_of(new_.begin(), new_.end(),
-                    [this](const Piece &p) { return p.over > std::max(loose, p.was_over * kRounding); }))
-        return false;
-    return crease <= -1.0 || bends_allow();
+    return std::none_of(new_.begin(), new_.end(),
+                        [this](const Piece &p) { return p.over > std::max(loose, p.was_over * kRounding); }) &&
+           bends_allow();
 }
 
 bool SurfaceWatch::near(Piece &piece, double allowed) const {

@@ -4,7 +4,6 @@
 #include "search/tet_complex.h"
 
 #include <array>
-#include <optional>
 #include <vector>
 
 namespace wct::search {
@@ -87,6 +86,7 @@ class SurfaceWatch {
     /// The smallest cosine of the angle by which pieces bend at hinges where they bend as creases do and the surface
     /// does not; 1 if there are none.
     double sharpest(const std::vector<Piece> &pieces, const std::vector<Hinge> &hinges) const;
+    /// Whether no new piece bends more at its hinges than is allowed there, or than gone pieces or places did.
     bool bends_allow();
     Piece piece(const Facet &key, int patch) const;
     /// One that is in the complex.
@@ -119,8 +119,7 @@ class SurfaceWatch {
     };
     Allowed allowed_; // the place allowed last, and what is to be noted there
     std::size_t suspect_ = 0;
-    std::vector<Hinge> hinges_;      // of the moving vertex's facets, once they are asked for
-    std::optional<double> sharpest_; // of them, where the vertex was
+    std::vector<Hinge> hinges_; // those asked about last
     std::vector<TetComplex::SurfaceAt> facets_;
 };
 

@@ -32,18 +32,17 @@ class TetLimit:
         """Hear about how many tets a start will have; whether to make it."""
         if self.expected is None:
             self.expected = round(tets)
-        if self.most is None and tets > max(_MANY, _TIMES * self._came):
+        begun = max(_MANY, _TIMES * self._came) if self.most is None else _SURELY * self.most
+        if tets > begun:
             self._refuse(tets, f"about {_rounded(tets)}")
-            warnings.warn(
-                f"a start of about {_rounded(tets)} tets was not begun, {_rounded(tets / self._came)} times those that"
-                f" came: max_tets={self.needed} allows it; a larger tolerance or a longer edge_length takes"
-                " fewer",
-                WctWarning,
-                stacklevel=4,
-            )
-            return False
-        if self.most is not None and tets > _SURELY * self.most:
-            self._refuse(tets, f"about {_rounded(tets)}")
+            if self.most is None:
+                warnings.warn(
+                    f"a start of about {_rounded(tets)} tets was not begun, {_rounded(tets / self._came)} times those"
+                    f" that came: max_tets={self.needed} allows it; a larger tolerance or a longer edge_length takes"
+                    " fewer",
+                    WctWarning,
+                    stacklevel=4,
+                )
             return False
         return self._listen.expect(round(tets))
 
