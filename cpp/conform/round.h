@@ -1,0 +1,113 @@
+#pragma once
+
+#include "base/random.h"
+#include "conform/conform.h"
+#include "conform/surface_probes.h"
+#include "geometry/circumspheres.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace wct::conform {
+
+/// One round: the complex of the points as they are, and what is wrong with it.
+class Round {
+  public:
+    Round(ConformingCloud &points, const domain::Reference &reference, const SurfaceProbes &probes,
+          const domain::RegionMap &map, const ConformOptions &options, double sharpest, Random &random,
+          const Workers &workers);
+
+    const sampling::RestrictedDelaunay &complex() const { return complex_; }
+
+    /// Look for faults and change the points against them; the complex is then out of date.
+    Faults mend();
+
+  private:
+    /// Signed height of a tet's circumcenter over its facet i.
+    double height(int t, int i) const;
+    template <std::size_t n> std::array<Vec3, n> corners(const std::array<int, n> &cell) const {
+        std::array<Vec3, n> at;
+        std::transform(cell.begin(), cell.end(), at.begin(), [&](int v) { return cloud_.points[v]; });
+        return at;
+    }
+    /// What a tet's facet i adds to the dual area of its edge opposite corner v, in lengths of the edge.
+    double share(int t, int i, int v) const;
+    Vec3 centroid(const std::array<int, 4> &tet) const;
+    bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
+    bool beyond(int t, int i) const { return height(t, i) <= least() * spheres_[t].radius; }
+    /// The shortest length that a dual may have: where the mesh is to be one-sided it is not zero.
+    double least() const { return options_.one_sided ? options_.least : -options_.tied; }
+    /// Must the circumcenter stay on this side of the facet? Where a region ends, but for a single Delaunay one.
+    bool outer(int t, int i) const;
+
+    /// Flat tets between surface points are not outside but where they lie in the boundary: between the two sides of a
+    /// layer they belong to it, in an interface to the region behind it.
+    void take_in_flat();
+
+    /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface. At an interface
+    /// they go to the region beyond.
+    void peel();
+
+    /// Remove the points inside a ball that may go; false if there are none.
+    bool clear(const std::vector<int> &candidates, const geometry::Sphere &ball);
+
+    void mend_creases();
+    const std::vector<int> &all_inside();
+
+    void mend_surface();
+    /// Bring the own surface back at a point of it.
+    void restore(const domain::Foot &foot);
+
+    void mend_outer();
+    /// Where the two outer facets of a region at an edge are obtuse opposite it, the dual area that the region has
+    /// there may be negative although all circumcenters are inside.
+    void mend_edges();
+
+    /// Of the angle at the first corner.
+    double cosine(const std::array<int, 3> &f) const;
+
+    /// Put a point on the patch of a surface facet, at its circumcenter or by `off` radii beside it.
+    void split_facet(const std::array<int, 3> &f, double off);
+
+    /// Across a layer thinner than the sphere of a facet that was split comes a point over the new one: without it the
+    /// one would be in spheres of facets there, and a split there answered by one here. What is between the two layers
+    /// of facets then is on common spheres, so this is nothing where no dual may have length zero.
+    void mirror(const Vec3 &on, const Vec3 &normal, double radius, double size);
+
+    int nearest_of(const std::vector<int> &patches, const Vec3 &p) const;
+    double size_of(const std::array<int, 3> &f) const;
+
+    void mend_ties();
+
+    /// Put a point near the circumcenter of a tet, or near its centroid where the region is another one there.
+    void put_inside(int t);
+
+    /// Flat tets are no faults of a Delaunay mesh, but what is given has none: points inside are moved out of the
+    /// sphere of such a tet, and where all four are on the surface one more comes into it. In layers too thin for that
+    /// they stay: a point in the middle of a layer lies in the spheres of all facets round it.
+    void mend_slivers();
+
+    bool has_room(const geometry::Sphere &ball) const;
+    void mend_tie(int t, int i, int other, std::vector<char> &moved);
+
+    ConformingCloud &points_;
+    const sampling::Cloud &cloud_;
+    const domain::Reference &reference_;
+    const SurfaceProbes &probes_;
+    const domain::RegionMap &map_;
+    const ConformOptions &options_;
+    double sharpest_; // dihedral angle that a tet should have
+    Random &random_;
+    sampling::RestrictedDelaunay complex_;
+    bool several_ = false; // regions
+    std::vector<geometry::Sphere> spheres_;
+    std::vector<std::pair<int, domain::Foot>> ridges_; // slivers on a bend too sharp to take them off
+    sampling::Flaws flaws_;
+    Faults faults_;
+    std::vector<char> gone_;
+    std::vector<int> all_inside_;
+};
+
+} // namespace wct::conform
