@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypedDict
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypedDict
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -15,20 +15,13 @@ from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.io import read
 from wct_plugin.measure import quality
-from wct_plugin.measure.conserved import measure_groups, measure_sharp
 from wct_plugin.measure.deviation import measure_deviation
-from wct_plugin.measure.fidelity import measure_fidelity
 from wct_plugin.measure.goals import DUAL, misses
-from wct_plugin.measure.losses import find_losses
-from wct_plugin.measure.pinned import measure_pinned
 from wct_plugin.measure.quality import Quality
 from wct_plugin.measure.region_topology import changes, measure_region_topology
-from wct_plugin.measure.released_creases import Released
-from wct_plugin.measure.shape_floor import measure_shape_floor
 from wct_plugin.measure.thin_walls import thinnest
 from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.periodic import find_periodic
-from wct_plugin.mesh.strata import find_strata
 from wct_plugin.meshing import (
     beside,
     boundary_choice,
@@ -45,8 +38,9 @@ from wct_plugin.meshing import (
 )
 from wct_plugin.meshing.boundary_choice import Boundary, PatchChoices
 from wct_plugin.meshing.edge_length import EdgeLength
-from wct_plugin.meshing.followed_surface import enclosed_volumes, stretch
+from wct_plugin.meshing.followed_surface import outer
 from wct_plugin.meshing.held_surface import HeldSurface
+from wct_plugin.meshing.judgement import Asked, Found, judge
 from wct_plugin.meshing.local_search import LocalSearch, best, ranked
 from wct_plugin.meshing.local_tolerance import Tolerance, find_tolerance
 from wct_plugin.meshing.periodic_pairs import PeriodicSurface, Unmatched
@@ -54,14 +48,13 @@ from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.reference_choice import choose
 from wct_plugin.meshing.reference_fit import check_near, gap
-from wct_plugin.meshing.released_creases import measure_released
+from wct_plugin.meshing.released_creases import measure_none, measure_released
 from wct_plugin.meshing.search_mesh import SearchMesh
 from wct_plugin.meshing.surface_edges import Lengths, longest_edges
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.transfer import carry, resampled
 from wct_plugin.meshing.work_limit import WorkLimit
 from wct_plugin.objects.conversions import as_mesh
-from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Floats, Metrics
@@ -236,7 +229,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         straight = unit_scaling.scaled(replace(mesh, reference=None), -unit_scaling.exponent(mesh.points))
         return min(own_boundary(straight, self.options.crease_angle).auto_tolerance(), _LARGEST_TOLERANCE)
 
-    def _put_on_curved(self, made: TetMesh, found: "_Found", unit: int) -> "tuple[TetMesh, _Found]":
+    def _put_on_curved(self, made: TetMesh, found: Found, unit: int) -> tuple[TetMesh, Found]:
         """The mesh with its vertices on the curved surface, where that leaves as many tets good."""
         of, options = made.second_order, self.options
         stays = found.work["kept"] or found.work["stopped"] or self._surface
@@ -279,7 +272,16 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         tolerance = math.ldexp(found.tolerance, unit)
         followed = replace(found.on, points=unit_scaling.rescaled(found.on.points, unit))
         required_cells.check_edges(mesh, better)
-        result = self._judge(mesh, own, better, found, followed, tolerance)
+        options = self.options
+        asked = Asked(
+            options.goal,
+            options.boundary,
+            options.crease_angle,
+            options.allow_released,
+            pairs=self._wants_pairs(mesh),
+            curved=not self._surface,
+        )
+        result = judge(mesh, own, better, found, followed, tolerance, asked)
         return better, {
             **result,
             **found.work,
@@ -303,7 +305,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         progress: ProgressCallback,
         *,
         tangled: bool,
-    ) -> "tuple[Reference, TetMesh, _Found]":
+    ) -> tuple[Reference, TetMesh, Found]:
         """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
@@ -345,7 +347,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         progress: ProgressCallback,
         *,
         tangled: bool,
-    ) -> "tuple[Reference, TetMesh, _Found]":
+    ) -> tuple[Reference, TetMesh, Found]:
         """As :meth:`_whole`, for each part by itself, with the tolerance of the whole."""
         unit = unit_scaling.exponent(mesh.points)
         normalized = unit_scaling.scaled(mesh, -unit)
@@ -376,7 +378,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         better = replace(zipped.unzipped(made) if changed else mesh, reference=surface)
         measured = quality.measure(unit_scaling.scaled(better, -unit))
         work = parts_work.together(works, [(reference or part).diagonal / diagonal for part, _ in zipped.parts])
-        return own, better, _Found(better, measured, math.ldexp(tolerance, -unit), work, own)
+        return own, better, Found(better, measured, math.ldexp(tolerance, -unit), work, own)
 
     def _well_center(
         self,
@@ -389,7 +391,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         progress: ProgressCallback,
         *,
         tangled: bool,
-    ) -> "_Found":
+    ) -> Found:
         """The mesh resampled, or made from itself, with as few bad tets as the search gets to.
 
         It is in 2 ** ``unit`` of the user's unit of length; ``tangled``: its tets overlap as it came.
@@ -430,9 +432,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         asked = wanted is not None or options.force or not few_enough
         if not bad and not asked and _follows(mesh, own, reference, tolerance):
             none: Metrics = {"passes": 0, "kicks": 0, "evaluations": 0, "stopped": False, "kept": True}
-            none |= {"planes": plane, "local_tolerance": least, "estimate": None, "released": _no_crease(own)}
+            none |= {"planes": plane, "local_tolerance": least, "estimate": None, "released": measure_none(own)}
             none |= {"exhausted": False, "needed": None}
-            return _Found(mesh, measured, tolerance, none, reference)
+            return Found(mesh, measured, tolerance, none, reference)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         acute = options.goal == "cwc"
@@ -476,9 +478,9 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         work |= {"exhausted": allowed.reached, "needed": limit.needed}
         work["local_tolerance"] = least
         if not tried:  # stopped before there was any other mesh, or none has few enough tets
-            work["released"] = _no_crease(own)
+            work["released"] = measure_none(own)
             limit.warn(missed=bad > 0 or asked)
-            return _Found(mesh, measured, tolerance, work, reference)
+            return Found(mesh, measured, tolerance, work, reference)
         faults: list[str] = []
         found, better = None, mesh
         for one in ranked(tried):
@@ -501,7 +503,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         work["released"] = measure_released(
             reference, found["released"] if found and better is not mesh else np.empty(0, dtype=np.int64)
         )
-        return _Found(better, after, tolerance, work, reference)
+        return Found(better, after, tolerance, work, reference)
 
     def _fault(
         self, old: TetMesh, new: TetMesh, on: Reference, tolerance: float, unit: int, *, tangled: bool, stopped: bool
@@ -516,7 +518,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         if changes(measure_region_topology(old), measure_region_topology(new)):
             return "the new mesh has another topology"
         if stopped:
-            surface = _outer(on)
+            surface = outer(on)
             allowed = max(tolerance, measure_deviation(old.boundary_surface(), surface, compiled=True).max)
             if measure_deviation(new.boundary_surface(), surface, compiled=True).max > allowed:
                 return "the new mesh is not near the surface yet"
@@ -546,7 +548,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         progress: ProgressCallback,
         *,
         tangled: bool,
-    ) -> "_Found":
+    ) -> Found:
         """The cheapest change that makes the mesh Delaunay or one-sided: none, where it is; ``unit`` as above."""
         options = self.options
         surface = mesh.reference
@@ -554,11 +556,11 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         better, after = mesh, quality.measure(mesh)
         bad = self._bad(mesh, after)
         if not bad:
-            return _Found(mesh, after, tolerance, {"stopped": False, "kept": True}, own)
+            return Found(mesh, after, tolerance, {"stopped": False, "kept": True}, own)
         self._warn_of_thin_walls(mesh, tolerance, unit)
         listen = Listener(progress, bad)
         if not listen.stopped:
-            asked: _Asked = {
+            asked: _ConformAsked = {
                 "one_sided": options.goal == "one-sided",
                 "effort": options.effort,
                 "seed": options.seed + 1,
@@ -581,7 +583,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             elif not listen.stopped:
                 warnings.warn("nothing better was found; the mesh stays as it is", WctWarning, stacklevel=3)
             listen.measure(bad)
-        return _Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False}, own)
+        return Found(better, after, tolerance, {"stopped": listen.stopped, "kept": False}, own)
 
     def _warn_of_thin_walls(self, mesh: TetMesh, tolerance: float, unit: int) -> None:
         """Say where the two sides of a wall, each within the tolerance, may meet."""
@@ -598,57 +600,6 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
             WctWarning,
             stacklevel=4,
         )
-
-    def _judge(
-        self, old: TetMesh, own: Reference, new: TetMesh, found: "_Found", followed: Reference, tolerance: float
-    ) -> Metrics:
-        """What was reached and what is left, measured on the mesh itself; warns of what was not kept.
-
-        ``followed``: the surface, in the user's unit.
-        """
-        options, measured = self.options, found.measured
-        allowed = tolerance / (new.reference or old).diagonal
-        other = found.on.strata is not own.strata  # than the mesh's own
-        surface = _outer(followed) if other else new.reference
-        kept = measure_fidelity(old, new, surface, enclosed_volumes(followed) if other else None)
-        groups = measure_groups(old, new, stretch(old, own, found.on) if other else {})
-        if old.second_order and old.second_order.curved and not self._surface:
-            domain = curved.CurvedDomain(old, new)
-            kept, groups = domain.fidelity(kept), domain.groups(groups)
-        boundaries = [(old.points, old.topology.boundary)]
-        if other and surface is not None:
-            boundaries.append((surface.points, surface.triangles))
-        sides = _sides(old, new)
-        sharp = measure_sharp(boundaries, (new.points, new.topology.boundary), options.crease_angle)
-        losses = find_losses(
-            kept,
-            groups,
-            sharp,
-            (measure_region_topology(old), measure_region_topology(new)),
-            found.work.get("released") or _no_crease(own),
-            sides if self._wants_pairs(old) else None,
-            allowed=allowed,
-            allow_released=options.allow_released,
-        )
-        for loss in losses:
-            warnings.warn(loss["text"], WctWarning, stacklevel=3)
-        strata = find_strata(new, options.crease_angle)
-        choices = PatchChoices(options.boundary, new, strata)
-        left = list_remaining(
-            new,
-            strata,
-            measured,
-            goal=options.goal,
-            boundary=choices.word,
-            fixed=choices.fixed[strata.patch],
-            crease_angle=options.crease_angle,
-            stopped=found.work["stopped"],
-            needed=found.work.get("needed"),
-        )
-        shape = measure_shape_floor(new, measured, old, own.strata, tolerance)
-        said: Metrics = {"groups": groups, "sharp_edges": sharp, "periodic": sides, "losses": losses}
-        said["pinned"] = measure_pinned(old)
-        return {"bad": left["count"], "tets": len(new.tets), **kept, **said, "shape": shape, "remaining": left}
 
     def _own_start(
         self,
@@ -677,17 +628,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
         return refilled
 
 
-class _Found(NamedTuple):
-    """What both kinds of goals lead to, in the unit the work was done in."""
-
-    mesh: TetMesh
-    measured: Quality
-    tolerance: float
-    work: Metrics
-    on: Reference  #: the surface that was followed
-
-
-class _Asked(TypedDict):
+class _ConformAsked(TypedDict):
     """What both ways to conform are asked."""
 
     one_sided: bool
@@ -702,30 +643,11 @@ def _where(mesh: TetMesh, tets: tuple[int, int]) -> str:
     return f"near ({x:.4g}, {y:.4g}, {z:.4g})"
 
 
-def _sides(old: TetMesh, new: TetMesh) -> dict[str, int] | None:
-    """How many pairs of sides are translates of each other, other than by nothing; None where none was."""
-    unit = unit_scaling.exponent(old.points)
-    found = [find_periodic(unit_scaling.scaled(one, -unit)) for one in (old, new)]
-    before, after = (sum(bool(pair.translation.any()) for pair in pairs) for pairs in found)
-    return {"before": before, "after": after} if before else None
-
-
-def _no_crease(own: Reference) -> Released:
-    """What is said of creases that became ordinary surface, where the mesh stays as it is."""
-    return measure_released(own, np.empty(0, dtype=np.int64))
-
-
 def _follows(mesh: TetMesh, own: Reference, reference: Reference, tolerance: float) -> bool:
     """Whether the boundary is within the tolerance of the reference, both ways; it is where that is its own."""
     if reference is own:
         return True
-    return measure_deviation(mesh.boundary_surface(), _outer(reference), compiled=True).max <= tolerance
-
-
-def _outer(on: Reference) -> SurfaceMesh:
-    """The part of a surface that has outside on one side."""
-    outside = (on.sides < 0).sum(axis=1) == 1
-    return SurfaceMesh(on.points, on.strata.triangles[outside[on.strata.patch]])
+    return measure_deviation(mesh.boundary_surface(), outer(reference), compiled=True).max <= tolerance
 
 
 def _warn_of_fault(fault: str) -> None:

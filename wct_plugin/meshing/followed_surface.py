@@ -1,13 +1,19 @@
-"""Volumes and areas on the surface that is followed, where it is another than the mesh's own."""
+"""The surface that is followed, where it is another than the mesh's own: its outside, volumes and areas on it."""
 
 import numpy as np
 
 from wct_plugin.measure.conserved import group_names
-from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.triangle_surfaces import areas
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats
+
+
+def outer(on: Reference) -> SurfaceMesh:
+    """The part of a surface that has outside on one side."""
+    outside = (on.sides < 0).sum(axis=1) == 1
+    return SurfaceMesh(on.points, on.strata.triangles[outside[on.strata.patch]])
 
 
 def enclosed_volumes(on: Reference) -> dict[str, float]:

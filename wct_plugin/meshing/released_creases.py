@@ -19,6 +19,11 @@ def measure_released(on: Reference, curves: Ints) -> Released:
     return {"creases": len(curves), "length": float(length / on.diagonal)}
 
 
+def measure_none(own: Reference) -> Released:
+    """What is said of creases that became ordinary surface, where the mesh stays as it is."""
+    return measure_released(own, np.empty(0, dtype=np.int64))
+
+
 def without(on: Reference, curves: Ints, nodes: Ints) -> Reference:
     """The surface with ``curves`` (r,) given up: what the search's labels mean after it released them.
 
