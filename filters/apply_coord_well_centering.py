@@ -67,17 +67,16 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
         stays = required_cells.vertices_of(mesh) | (not slides and surface.stratum > 0)
         if mesh.others:
             stays[mesh.others.shared[mesh.others.shared >= 0]] = True
-        stratum = np.where(stays, 3, surface.stratum).astype(np.int8)
+        strata = replace(
+            surface,
+            stratum=np.where(stays, 3, surface.stratum).astype(np.int8),
+            label=np.where(stays, -1, surface.label),
+        )
         tolerance = np.inf if options.tolerance is None else options.tolerance * normalized.diagonal
         points, report = _core.move_vertices(
             normalized.points,
             mesh.tets,
-            stratum,
-            np.where(stays, -1, surface.label),
-            surface.triangles,
-            surface.patch,
-            surface.segments,
-            surface.curve,
+            strata,
             goal=options.goal,
             margin=options.margin,
             effort=options.effort,

@@ -2,12 +2,13 @@
 #include "bindings/domain.h"
 #include "bindings/workers.h"
 
+#include "bindings/conform_options.h"
 #include "conform/conform.h"
 
-#include <nanobind/stl/optional.h>
-
+#include <limits>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace nb = nanobind;
 
@@ -15,27 +16,24 @@ namespace wct::bindings {
 
 namespace {
 
-nb::dict to_python(const conform::Conformed &found) {
-    nb::dict out;
-    out["points"] = array_of(found.points);
-    out["tets"] = array_of<std::int64_t>(found.tets);
-    out["regions"] = array_of<std::int64_t>(found.region);
-    out["origin"] = array_of<std::int64_t>(found.origin);
-    out["stratum"] = array<std::int8_t>(found.role.size(), 0, [&](std::int8_t *to) {
+nb::object to_python(const conform::Conformed &found) {
+    nb::dict mesh;
+    mesh["points"] = array_of(found.points);
+    mesh["tets"] = array_of<std::int64_t>(found.tets);
+    mesh["regions"] = array_of<std::int64_t>(found.region);
+    mesh["stratum"] = array<std::int8_t>(found.role.size(), 0, [&](std::int8_t *to) {
         for (const Stratum role : found.role)
             *to++ = static_cast<std::int8_t>(role);
     });
-    out["label"] = array<std::int64_t>(found.role.size(), 0, [&](std::int64_t *to) {
+    mesh["label"] = array<std::int64_t>(found.role.size(), 0, [&](std::int64_t *to) {
         for (std::size_t i = 0; i < found.role.size(); ++i) // a corner's is its own point, an inner point's its region
             *to++ = found.role[i] == Stratum::patch || found.role[i] == Stratum::crease ? found.label[i] : -1;
     });
-    out["facets"] = array_of<std::int64_t>(found.surface.facets);
-    out["facet_patch"] = array_of<std::int64_t>(found.surface.patch);
-    out["creases"] = array_of<std::int64_t>(found.surface.creases);
-    out["crease_curve"] = array_of<std::int64_t>(found.surface.curve);
-    out["intact"] = found.intact;
-    out["stopped"] = found.stopped;
-    out["rounds"] = found.rounds;
+    mesh["size"] = array_of<double>(found.size);
+    mesh["facets"] = array_of<std::int64_t>(found.surface.facets);
+    mesh["facet_patch"] = array_of<std::int64_t>(found.surface.patch);
+    mesh["creases"] = array_of<std::int64_t>(found.surface.creases);
+    mesh["crease_curve"] = array_of<std::int64_t>(found.surface.curve);
     nb::dict faults;
     faults["creases"] = found.faults.creases;
     faults["surface"] = found.faults.surface;
@@ -43,48 +41,47 @@ nb::dict to_python(const conform::Conformed &found) {
     faults["outer"] = found.faults.outer;
     faults["edges"] = found.faults.edges;
     faults["ties"] = found.faults.ties;
+    nb::dict out;
+    out["mesh"] = made("wct_plugin.core.domain", "StratifiedMesh", mesh);
+    out["origin"] = array_of<std::int64_t>(found.origin);
+    out["rounds"] = found.rounds;
+    out["intact"] = found.intact;
     out["faults"] = faults;
-    return out;
+    out["stopped"] = found.stopped;
+    return made("wct_plugin.core.results", "ConformResult", out);
 }
 
-nb::dict conform_arrays(const Array &points, const Array &tets, const Array &region, const Array &stratum,
-                        const Array &label, const Array &size, const Array &facets, const Array &facet_patch,
-                        const Array &sides, const Array &creases, const Array &crease_curve, double tolerance,
-                        const std::optional<Array> &given_points, const std::optional<Array> &given_triangles,
-                        bool one_sided, int effort, std::uint64_t seed, const nb::object &progress, unsigned threads) {
-    const domain::InputMesh mesh = mesh_of(points, tets, region);
-    domain::SurfaceData surface = surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides);
-    surface.segments = cells_of<2>(creases, mesh.points.size(), "creases");
-    surface.curve = numbers_of(crease_curve, surface.segments.size(),
+nb::object conform(nb::handle of, const Array &sides, double tolerance, nb::handle asked, nb::handle given,
+                   const nb::object &progress, unsigned threads) {
+    StratifiedMesh from = stratified_mesh_of(of, std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
+    domain::SurfaceData surface = surface_of_facets(of, from.points, sides);
+    surface.segments = from.creases;
+    surface.curve = numbers_of(attribute<Array>(of, "crease_curve"), surface.segments.size(),
                                static_cast<std::int64_t>(surface.segments.size()), "crease_curve");
-    if (surface.triangles.empty() || mesh.tets.empty())
+    if (surface.triangles.empty() || from.tets.empty())
         throw std::invalid_argument("facets and tets are needed");
     if (!(tolerance > 0.0))
         throw std::invalid_argument("tolerance must be positive");
-    const std::vector<Stratum> role = strata_of(stratum, mesh.points.size());
-    for (std::size_t v = 0; v < role.size(); ++v)
-        if (role[v] == Stratum::corner)
+    for (std::size_t v = 0; v < from.stratum.size(); ++v)
+        if (from.stratum[v] == Stratum::corner)
             surface.corners.push_back(static_cast<int>(v));
-    const auto of_point = labels_of(label, mesh.points.size(), "label");
-    const std::vector<double> sizes = sizes_of(size, mesh.points.size(), "size");
+    const domain::InputMesh mesh{std::move(from.points), std::move(from.tets), std::move(from.region)};
     domain::SurfaceData other;
-    if (given_points && given_triangles)
-        other = plain_surface(*given_points, "given_points", *given_triangles, "given_triangles");
-    conform::ConformOptions options;
-    options.effort = effort;
+    if (!given.is_none())
+        other = plain_surface_of(given);
+    conform::ConformOptions options = conform_options_of(asked);
     options.tolerance = tolerance;
-    options.one_sided = one_sided;
-    options.seed = seed;
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     conform::Conformed found;
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
         const domain::Reference reference(std::move(surface));
-        std::optional<domain::Reference> given;
+        std::optional<domain::Reference> stands_for;
         if (!other.triangles.empty())
-            given.emplace(std::move(other));
-        found = conform::conform(reference, given, mesh, role, of_point, sizes, options, monitor, workers_of(threads));
+            stands_for.emplace(std::move(other));
+        found = conform::conform(reference, stands_for, mesh, from.stratum, from.label, from.size, options, monitor,
+                                 workers_of(threads));
     }
     return to_python(found);
 }
@@ -92,20 +89,40 @@ nb::dict conform_arrays(const Array &points, const Array &tets, const Array &reg
 } // namespace
 
 void bind_conform(nb::module_ &m) {
-    m.def(
-        "conform", &conform_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("regions"), nb::arg("stratum"),
-        nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"),
-        nb::arg("creases"), nb::arg("crease_curve"), nb::arg("tolerance"), nb::kw_only(),
-        nb::arg("given_points") = nb::none(), nb::arg("given_triangles") = nb::none(), nb::arg("one_sided") = true,
-        nb::arg("effort") = 1, nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
-        "Make a mesh Delaunay, and one-sided, with its surface vertices where they are: points, tets, region per tet\n"
-        ">= 0, stratum, label and size per point, facets (f, 3) of the surface with their patch, sides (patches, 2)\n"
-        "as in resample, creases (c, 2) with their curve. tolerance: greatest distance of the new surface from the\n"
-        "facets. progress(done, bad) returns False to stop.\n\n"
-        "Returns a dict: points, origin (the input's point, -1 for a new one), tets, regions, stratum, label, facets, "
-        "facet_patch,\n"
-        "creases, crease_curve, rounds, stopped, intact (the domain is represented) and faults: what is left, by\n"
-        "kind. The same input and seed give the same bits.");
+    m.def("conform", &conform, nb::arg("mesh"), nb::arg("sides"), nb::arg("tolerance"), nb::arg("options"),
+          nb::kw_only(), nb::arg("given") = nb::none(), nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
+          nb::sig("def conform(mesh: wct_plugin.core.domain.StratifiedMesh,"
+                  " sides: numpy.typing.NDArray[numpy.int64], tolerance: float,"
+                  " options: wct_plugin.core.requests.ConformOptions, *,"
+                  " given: wct_plugin.core.domain.Triangles | None = None,"
+                  " progress: collections.abc.Callable[[float, int], typing.Any] | None = None,"
+                  " threads: int = 0) -> wct_plugin.core.results.ConformResult"),
+          R"(Make a mesh Delaunay, and one-sided, with its surface vertices where they are.
+
+Parameters
+----------
+mesh
+    With its surface.
+sides
+    (patches, 2) of its patches, as of a StratifiedSurface.
+tolerance
+    Greatest distance, a length, of the new surface from the facets, or from the given triangles where there are some.
+options
+    How.
+given
+    Triangles that the facets stand for.
+progress, threads
+    As of resample.
+
+Returns
+-------
+ConformResult
+    The same input and seed give the same bits.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index, or an option a value that is not allowed.)");
 }
 
 } // namespace wct::bindings

@@ -23,10 +23,17 @@ nb::tuple delaunay_arrays(const Array &points) {
 
 void bind_delaunay(nb::module_ &m) {
     m.def("delaunay", &delaunay_arrays, nb::arg("points"),
-          "Delaunay tetrahedralization of (n, 3) points.\n\n"
-          "Returns tets (m, 4), positively oriented, and neighbours (m, 4): the tet across the facet opposite each\n"
-          "vertex, -1 on the hull. Exact: no point lies inside a circumsphere and no tet is flat. Raises ValueError\n"
-          "for fewer than four points and for points that are not finite, coincide or all lie in one plane.");
+          nb::sig("def delaunay(points: numpy.typing.NDArray[numpy.float64])"
+                  " -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64]]"),
+          R"(Delaunay tetrahedralization of ``points`` (n, 3).
+
+Returns tets (m, 4), positively oriented, and neighbours (m, 4): the tet across the facet opposite each vertex, -1 on
+the hull. Exact: no point lies inside a circumsphere and no tet is flat.
+
+Raises
+------
+ValueError
+    For fewer than four points, and for points that are not finite, coincide or all lie in one plane.)");
 }
 
 } // namespace wct::bindings

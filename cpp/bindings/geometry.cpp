@@ -102,16 +102,36 @@ nb::object curvature_arrays(const Array &surface_points, const Array &triangles,
 void bind_geometry(nb::module_ &m) {
     m.def("closest_points", &closest_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("queries"),
           nb::arg("threads") = 0,
-          "Nearest points (q, 3) of a triangle surface, the triangles they lie on and the distances.");
-    m.def("euler_characteristics", &euler_arrays, nb::arg("tets"), nb::arg("region"),
-          "Euler characteristic of each region: vertices - edges + facets - tets.");
+          nb::sig("def closest_points(surface_points: numpy.typing.NDArray[numpy.float64],"
+                  " triangles: numpy.typing.NDArray[numpy.int64], queries: numpy.typing.NDArray[numpy.float64], "
+                  "threads: int = 0)"
+                  " -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64],"
+                  " numpy.typing.NDArray[numpy.float64]]"),
+          R"(Nearest points (q, 3) of a triangle surface, the triangles (q,) they lie on and the distances (q,).)");
+    m.def(
+        "euler_characteristics", &euler_arrays, nb::arg("tets"), nb::arg("region"),
+        nb::sig("def euler_characteristics(tets: numpy.typing.NDArray[numpy.int64], region: "
+                "numpy.typing.NDArray[numpy.int64])"
+                " -> numpy.typing.NDArray[numpy.int64]"),
+        R"(Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets.)");
     m.def("farthest_sample", &farthest_arrays, nb::arg("points"), nb::arg("triangles"), nb::arg("step"),
           nb::arg("surface_points"), nb::arg("surface_triangles"), nb::arg("threads") = 0,
-          "Distance and place of the sample of one triangle surface that is farthest from another.");
-    m.def(
-        "surface_curvatures", &curvature_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
-        "Principal curvatures (t, 6) at the three corners of each triangle as its patch sees them, the larger first;\n"
-        "positive where the surface bends away from its normal. Zero on planar patches.");
+          nb::sig("def farthest_sample(points: numpy.typing.NDArray[numpy.float64],"
+                  " triangles: numpy.typing.NDArray[numpy.int64], step: float,"
+                  " surface_points: numpy.typing.NDArray[numpy.float64], surface_triangles: "
+                  "numpy.typing.NDArray[numpy.int64],"
+                  " threads: int = 0) -> tuple[float, tuple[float, float, float]]"),
+          R"(The sample of one triangle surface that is farthest from another: its distance and where it is.
+
+Samples are the corners and, regularly, points inside the triangles and on their edges, neighbours at most ``step``
+apart; 0 for the corners alone.)");
+    m.def("surface_curvatures", &curvature_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
+          nb::sig("def surface_curvatures(surface_points: numpy.typing.NDArray[numpy.float64],"
+                  " triangles: numpy.typing.NDArray[numpy.int64], patch: numpy.typing.NDArray[numpy.int64])"
+                  " -> numpy.typing.NDArray[numpy.float64]"),
+          R"(Principal curvatures (t, 6) at the three corners of each triangle as its patch sees them, the larger first.
+
+Positive where the surface bends away from its normal; zero on planar patches.)");
 }
 
 } // namespace wct::bindings

@@ -12,13 +12,8 @@ namespace wct::bindings {
 
 namespace {
 
-nb::object local_tolerance(const Array &points, const Array &triangles, const Array &patch, const Array &segments,
-                           const Array &curve, const Array &sides, double tolerance, double floor, double flat,
-                           unsigned threads) {
-    domain::SurfaceData surface = surface_of(points_of(points), triangles, "triangles", patch, "patch", sides);
-    surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
-    surface.curve = curves_of(curve, surface.segments.size(), surface.triangles.size(), "curve");
-    surface.flat = flat;
+nb::object local_tolerance(nb::handle on, double tolerance, double floor, unsigned threads) {
+    domain::SurfaceData surface = surface_of(on);
     if (!(tolerance > 0.0 && floor >= 0.0))
         refuse("tolerance must be positive, and floor not negative");
     std::vector<double> found;
@@ -33,9 +28,18 @@ nb::object local_tolerance(const Array &points, const Array &triangles, const Ar
 } // namespace
 
 void bind_local_tolerance(nb::module_ &m) {
-    m.def("local_tolerance", &local_tolerance, nb::arg("points"), nb::arg("triangles"), nb::arg("patch"),
-          nb::arg("segments"), nb::arg("curve"), nb::arg("sides"), nb::kw_only(), nb::arg("tolerance"),
-          nb::arg("floor"), nb::arg("flat") = 0.0, nb::arg("threads") = 0);
+    m.def("local_tolerance", &local_tolerance, nb::arg("surface"), nb::kw_only(), nb::arg("tolerance"),
+          nb::arg("floor"), nb::arg("threads") = 0,
+          nb::sig("def local_tolerance(surface: wct_plugin.core.domain.StratifiedSurface, *, tolerance: float,"
+                  " floor: float, threads: int = 0) -> numpy.typing.NDArray[numpy.float64]"),
+          R"(Per point of a surface, (n,), a tenth of the wall, gap or radius there, within ``floor``..``tolerance``.
+
+All are lengths. ``threads`` as of resample.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index, or a length is not positive.)");
 }
 
 } // namespace wct::bindings

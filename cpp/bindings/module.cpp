@@ -3,7 +3,13 @@
 #include <nanobind/nanobind.h>
 
 NB_MODULE(_core, m) {
-    m.doc() = "Compiled core of wct_plugin: arrays in, arrays out.";
+    m.doc() = R"(Compiled core of wct_plugin: arrays in, arrays out.
+
+Arrays are C-contiguous, float64 for coordinates and int64 for indices unless stated; a wrong type, shape or index
+raises ValueError. Inputs are never changed. The interpreter is free to run other threads meanwhile.
+
+``threads`` is how many a function works with at most; 0 means OMP_NUM_THREADS, or one per core where that is not set.
+The results are the same bits whatever it is.)";
     wct::bindings::bind_move_vertices(m);
     wct::bindings::bind_delaunay(m);
     wct::bindings::bind_geometry(m);

@@ -1,6 +1,6 @@
 #include "move_vertices/move_vertices.h"
 #include "base/monitor.h"
-#include "bindings/arrays.h"
+#include "bindings/attributes.h"
 #include "bindings/bindings.h"
 #include "energy/energy.h"
 #include "geometry/predicates.h"
@@ -126,20 +126,27 @@ auto orientation(const Array &points, const Array &tets) {
     return fresh(std::move(signs), cells.size());
 }
 
-nb::tuple move_vertices(const Array &points, const Array &tets, const Array &stratum, const Array &label,
-                        const Array &triangles, const Array &triangle_patch, const Array &segments,
-                        const Array &segment_curve, const std::string &goal, double margin, int effort,
-                        double tolerance, const nb::object &progress) {
+/// A mesh, and where on its surface each point is: an InStrata.
+move_vertices::Problem problem_of(const Array &points, const Array &tets, nb::handle strata) {
     move_vertices::Problem problem;
     problem.points = points_of(points);
     const std::size_t size = problem.points.size();
     problem.tets = cells_of<4>(tets, size, "tets");
-    problem.stratum = strata_of(stratum, size);
-    problem.label = labels_of(label, size, "label");
-    problem.triangles = cells_of<3>(triangles, size, "triangles");
-    problem.triangle_patch = labels_of(triangle_patch, problem.triangles.size(), "triangle_patch");
-    problem.segments = cells_of<2>(segments, size, "segments");
-    problem.segment_curve = labels_of(segment_curve, problem.segments.size(), "segment_curve");
+    problem.stratum = strata_of(attribute<Array>(strata, "stratum"), size);
+    problem.label = labels_of(attribute<Array>(strata, "label"), size, "label");
+    problem.triangles = cells_of<3>(attribute<Array>(strata, "triangles"), size, "triangles");
+    problem.triangle_patch = labels_of(attribute<Array>(strata, "patch"), problem.triangles.size(), "patch");
+    problem.segments = cells_of<2>(attribute<Array>(strata, "segments"), size, "segments");
+    problem.segment_curve = labels_of(attribute<Array>(strata, "curve"), problem.segments.size(), "curve");
+    for (std::size_t t = 0; t < problem.tets.size(); ++t)
+        if (sign_of(problem.points, problem.tets[t]) <= 0)
+            throw nb::value_error(("tet " + std::to_string(t) + " is inverted or flat").c_str());
+    return problem;
+}
+
+nb::tuple move_vertices(const Array &points, const Array &tets, nb::handle strata, const std::string &goal,
+                        double margin, int effort, double tolerance, const nb::object &progress) {
+    const move_vertices::Problem problem = problem_of(points, tets, strata);
     if (goal != "3wc" && goal != "cwc")
         throw nb::value_error(("goal " + goal + "; allowed are 3wc and cwc").c_str());
     if (!(margin >= 0.0 && margin < 1.0 / 3.0))
@@ -148,10 +155,6 @@ nb::tuple move_vertices(const Array &points, const Array &tets, const Array &str
         throw nb::value_error("effort must lie in 1..1000");
     if (!(tolerance > 0.0))
         throw nb::value_error("tolerance must be positive");
-    for (std::size_t t = 0; t < problem.tets.size(); ++t)
-        if (sign_of(problem.points, problem.tets[t]) <= 0)
-            throw nb::value_error(("tet " + std::to_string(t) + " is inverted or flat").c_str());
-
     Monitor monitor([&](double done, std::int64_t bad) { return goes_on(progress, std::min(done, 1.0), bad); });
     const move_vertices::Aim aim{goal == "3wc" ? move_vertices::Goal::well_centered
                                                : move_vertices::Goal::completely_well_centered,
@@ -178,13 +181,85 @@ nb::tuple move_vertices(const Array &points, const Array &tets, const Array &str
 void bind_move_vertices(nb::module_ &m) {
     using namespace nb::literals;
     m.def("tet_energy", &tet_energy, "points"_a, "tets"_a, nb::kw_only(), "margin3"_a, "power3"_a, "margin2"_a,
-          "power2"_a, "weight2"_a, "weight_quality"_a);
-    m.def("star_energy", &star_energy, "points"_a, "tets"_a, "point"_a, nb::kw_only(), "margin3"_a, "power3"_a,
-          "margin2"_a, "power2"_a, "weight2"_a, "weight_quality"_a);
-    m.def("orientation", &orientation, "points"_a, "tets"_a);
-    m.def("move_vertices", &move_vertices, "points"_a, "tets"_a, "stratum"_a, "label"_a, "triangles"_a,
-          "triangle_patch"_a, "segments"_a, "segment_curve"_a, nb::kw_only(), "goal"_a, "margin"_a, "effort"_a,
-          "tolerance"_a = std::numeric_limits<double>::infinity(), "progress"_a = nb::none());
+          "power2"_a, "weight2"_a, "weight_quality"_a,
+          nb::sig("def tet_energy(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64],"
+                  " *, margin3: float, power3: float, margin2: float, power2: float, weight2: float,"
+                  " weight_quality: float)"
+                  " -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
+          R"(How far each tet is from being well-centered, and which way is better.
+
+::
+
+    E = sum over 4 facets         max(0, margin3 - h/R)^power3
+      + weight2 * sum over 12 angles  max(0, margin2 - cos)^power2
+      + weight_quality * sum over 4 facets  (h/R - 1/3)^2
+
+with h the signed height of the circumcenter over the facet, R the circumradius and cos the cosines of the facet angles.
+Powers are at least 1; multiples of one half up to 3 are quickest.
+
+``points`` (n, 3), ``tets`` (m, 4). Returns the energies (m,) and the gradient (n, 3) of their sum. A tet that is
+inverted or flat, det <= 1e-5 longest_edge^3, has infinite energy and no part in the gradient.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index, or a power is below 1.)");
+    m.def(
+        "star_energy", &star_energy, "points"_a, "tets"_a, "point"_a, nb::kw_only(), "margin3"_a, "power3"_a,
+        "margin2"_a, "power2"_a, "weight2"_a, "weight_quality"_a,
+        nb::sig("def star_energy(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64],"
+                " point: int, *, margin3: float, power3: float, margin2: float, power2: float, weight2: float,"
+                " weight_quality: float) -> tuple[float, numpy.typing.NDArray[numpy.float64]]"),
+        R"(The energy of :func:`tet_energy` summed over the tets around one point, and its gradient (3,) in that point.
+
+Here a tet may be as flat as it is; it is infinite where one is inverted.)");
+    m.def(
+        "orientation", &orientation, "points"_a, "tets"_a,
+        nb::sig("def orientation(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64])"
+                " -> numpy.typing.NDArray[numpy.int8]"),
+        R"(Exact sign of det(x1-x0, x2-x0, x3-x0) per tet: 1, -1, or 0 for four coplanar points.
+
+``points`` (n, 3) finite, ``tets`` (m, 4); returns (m,).)");
+    m.def(
+        "move_vertices", &move_vertices, "points"_a, "tets"_a, "strata"_a, nb::kw_only(), "goal"_a, "margin"_a,
+        "effort"_a, "tolerance"_a = std::numeric_limits<double>::infinity(), "progress"_a = nb::none(),
+        nb::sig("def move_vertices(points: numpy.typing.NDArray[numpy.float64],"
+                " tets: numpy.typing.NDArray[numpy.int64], strata: wct_plugin.core.domain.InStrata, *,"
+                " goal: typing.Literal['3wc', 'cwc'], margin: float, effort: int, tolerance: float = ...,"
+                " progress: collections.abc.Callable[[float, int], typing.Any] | None = None)"
+                " -> tuple[numpy.typing.NDArray[numpy.float64], wct_plugin.core.results.MoveReport]"),
+        R"(Move vertices so that as many tets as possible contain their circumcenter ("3wc"), and have acute facets ("cwc").
+
+Parameters
+----------
+points, tets
+    (n, 3) and (m, 4), all positive.
+strata
+    What each point may do: those inside move freely, those of a patch on its triangles, those of a crease on its
+    segments, corners stay. Triangles and segments lie where the points are now. Flat patches and straight creases stay
+    so to rounding.
+margin
+    0 to 1/3, the clearance wanted in h/R, and in the cosines for cwc.
+effort
+    1 to 1000, multiplies the iterations.
+tolerance
+    A length, without limit by default: how far curved patches, as the moved points span them, may be from where they
+    are now, patch by patch and both ways; and curved creases likewise. Planes and straight creases know none.
+progress
+    ``progress(done, bad)`` hears the done fraction and the number of tets that miss the goal so far; if it returns
+    something false other than None, the best positions so far are returned; if it raises, that propagates, as does
+    KeyboardInterrupt.
+
+Returns
+-------
+tuple
+    The points (n, 3), and what was done. Whatever happens, no tet is inverted and no fewer contain their circumcenter
+    than before, both exactly; points that may not move keep their bits; the same input gives the same bits.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index, an option a value that is not allowed, or a tet is inverted.)");
 }
 
 } // namespace wct::bindings

@@ -32,14 +32,24 @@ nb::tuple read(const nb::bytes &text, const nb::bytes &head, const nb::bytes &st
 } // namespace
 
 void bind_number_text(nb::module_ &m) {
-    m.def("read_reals", &read<double>, nb::arg("text"), nb::arg("head") = nb::bytes(""),
-          nb::arg("stop") = nb::bytes(""), nb::arg("start") = 0, nb::arg("lines") = nb::none(),
-          "The numbers of a text (n,), how many each line has that is read, where reading ended, and whether all words "
-          "until there are numbers. With a head, in small letters, only lines are read that begin with it, behind it; "
-          "of each word what is behind the letter stop is left out.");
+    m.def(
+        "read_reals", &read<double>, nb::arg("text"), nb::arg("head") = nb::bytes(""), nb::arg("stop") = nb::bytes(""),
+        nb::arg("start") = 0, nb::arg("lines") = nb::none(),
+        nb::sig("def read_reals(text: bytes, head: bytes = b'', stop: bytes = b'', start: int = 0,"
+                " lines: int | None = None)"
+                " -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64], int, bool]"),
+        R"(The numbers of a text (n,), how many each line has that is read, where reading ended, and whether all is well.
+
+Blanks part numbers; each is rounded to nearest. Exponents may be Fortran's D. Without a ``head`` all lines are read
+that have any word; with one, in small letters, those that begin with it, behind it. What of a word is behind the letter
+``stop`` is left out. ``start``: where to begin; ``lines``: how many are read at most. Reading ends behind the last
+line, or at the first word that is no number, and then all is not well.)");
     m.def("read_integers", &read<std::int64_t>, nb::arg("text"), nb::arg("head") = nb::bytes(""),
           nb::arg("stop") = nb::bytes(""), nb::arg("start") = 0, nb::arg("lines") = nb::none(),
-          "The same of whole numbers.");
+          nb::sig("def read_integers(text: bytes, head: bytes = b'', stop: bytes = b'', start: int = 0,"
+                  " lines: int | None = None)"
+                  " -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], int, bool]"),
+          R"(The same of whole numbers; these may have a point and an exponent.)");
 }
 
 } // namespace wct::bindings

@@ -1,4 +1,5 @@
 #include "bindings/bindings.h"
+#include "bindings/conform_options.h"
 #include "bindings/domain.h"
 #include "bindings/workers.h"
 
@@ -17,7 +18,7 @@ namespace wct::bindings {
 
 namespace {
 
-nb::dict to_python(const refill::Refilled &interior) {
+nb::object to_python(const refill::Refilled &interior) {
     nb::dict out;
     out["points"] = array_of(interior.points);
     out["tets"] = array_of<std::int64_t>(interior.tets);
@@ -25,18 +26,16 @@ nb::dict to_python(const refill::Refilled &interior) {
     out["origin"] = array_of<std::int64_t>(interior.origin);
     out["size"] = array_of<double>(interior.size);
     out["stopped"] = interior.stopped;
-    return out;
+    return made("wct_plugin.core.results", "RefillResult", out);
 }
 
-/// A mesh and what of its surface has to stay.
+/// A mesh, and its surface, which has to stay.
 struct Pinned {
-    Pinned(const Array &points, const Array &tets, const Array &region, const Array &pinned, const Array &facets,
-           const Array &facet_patch, const Array &sides, const Array &kept)
-        : mesh(mesh_of(points, tets, region)),
-          surface(surface_of(mesh.points, facets, "facets", facet_patch, "facet_patch", sides)),
-          edges(cells_of<2>(kept, mesh.points.size(), "edges")), stay(mesh.points.size(), 0) {
-        for (const int v : numbers_of(pinned, static_cast<std::int64_t>(mesh.points.size()), "pinned"))
-            stay[v] = 1;
+    Pinned(nb::handle of, const Array &sides)
+        : mesh(region_mesh_of(of)), surface(surface_of_facets(of, mesh.points, sides)),
+          edges(cells_of<2>(attribute<Array>(of, "creases"), mesh.points.size(), "creases")) {
+        for (const Stratum stratum : strata_of(attribute<Array>(of, "stratum"), mesh.points.size()))
+            stay.push_back(stratum != Stratum::interior);
         if (surface.triangles.empty() || mesh.tets.empty())
             throw std::invalid_argument("facets and tets are needed");
     }
@@ -47,11 +46,9 @@ struct Pinned {
     std::vector<char> stay;
 };
 
-nb::dict refill_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
-                       const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
-                       const std::optional<Array> &size, bool cosines, std::uint64_t seed, const nb::object &progress,
-                       unsigned threads) {
-    const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
+nb::object refill(nb::handle mesh, const Array &sides, const std::optional<Array> &size, bool cosines,
+                  std::uint64_t seed, const nb::object &progress, unsigned threads) {
+    const Pinned given(mesh, sides);
     const std::vector<double> wanted = wanted_of(size, given.mesh);
     refill::RefillOptions options;
     options.cosines = cosines;
@@ -72,16 +69,10 @@ nb::dict refill_arrays(const Array &points, const Array &tets, const Array &regi
     return to_python(interior);
 }
 
-nb::dict conform_inside_arrays(const Array &points, const Array &tets, const Array &region, const Array &pinned,
-                               const Array &facets, const Array &facet_patch, const Array &sides, const Array &edges,
-                               const Array &size, bool one_sided, int effort, std::uint64_t seed,
-                               const nb::object &progress) {
-    const Pinned given(points, tets, region, pinned, facets, facet_patch, sides, edges);
-    const std::vector<double> sizes = sizes_of(size, given.mesh.points.size(), "size");
-    conform::ConformOptions options;
-    options.one_sided = one_sided;
-    options.effort = effort;
-    options.seed = seed;
+nb::object conform_inside(nb::handle mesh, const Array &sides, nb::handle asked, const nb::object &progress) {
+    const Pinned given(mesh, sides);
+    const std::vector<double> sizes = sizes_of(attribute<Array>(mesh, "size"), given.mesh.points.size(), "size");
+    const conform::ConformOptions options = conform_options_of(asked);
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     refill::Refilled interior;
     {
@@ -96,23 +87,46 @@ nb::dict conform_inside_arrays(const Array &points, const Array &tets, const Arr
 } // namespace
 
 void bind_refill(nb::module_ &m) {
-    m.def(
-        "refill", &refill_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"), nb::arg("pinned"),
-        nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"), nb::kw_only(),
-        nb::arg("size") = nb::none(), nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
-        nb::arg("threads") = 0,
-        "Fill a mesh anew between its surface facets, which stay: points, tets, region per tet >= 0; pinned points,\n"
-        "facets (f, 3) with their patch (f,), sides (patches, 2) as in resample, edges (e, 2) that stay. size: wanted\n"
-        "edge length per point; without it the new mesh has up to twice the tets. progress(done, bad) returns False\n"
-        "to stop.\n\n"
-        "Returns a dict: points, origin (the input's point, -1 for a new one), size (edge length wanted), tets,\n"
-        "regions, stopped. No tets where the facets leave no choice, or where it was stopped early.");
-    m.def("conform_inside", &conform_inside_arrays, nb::arg("points"), nb::arg("tets"), nb::arg("region"),
-          nb::arg("pinned"), nb::arg("facets"), nb::arg("facet_patch"), nb::arg("sides"), nb::arg("edges"),
-          nb::arg("size"), nb::kw_only(), nb::arg("one_sided") = true, nb::arg("effort") = 1, nb::arg("seed") = 1,
+    m.def("refill", &refill, nb::arg("mesh"), nb::arg("sides"), nb::kw_only(), nb::arg("size") = nb::none(),
+          nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
+          nb::sig("def refill(mesh: wct_plugin.core.domain.StratifiedMesh,"
+                  " sides: numpy.typing.NDArray[numpy.int64], *,"
+                  " size: numpy.typing.NDArray[numpy.float64] | None = None, cosines: bool = True, seed: int = 1,"
+                  " progress: collections.abc.Callable[[float, int], typing.Any] | None = None,"
+                  " threads: int = 0) -> wct_plugin.core.results.RefillResult"),
+          R"(Fill a mesh anew between its surface facets, which stay, as do its creases and all points of its surface.
+
+Parameters
+----------
+mesh
+    With its surface; its sizes do not matter.
+sides
+    (patches, 2) of its patches, as of a StratifiedSurface.
+size
+    (n,) wanted edge length per point; without it the new mesh has up to twice the tets.
+cosines
+    Triangles are to be acute, too.
+seed, progress, threads
+    As of resample.
+
+Returns
+-------
+RefillResult
+    The same input and seed give the same bits.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index.)");
+    m.def("conform_inside", &conform_inside, nb::arg("mesh"), nb::arg("sides"), nb::arg("options"),
           nb::arg("progress") = nb::none(),
-          "Make a mesh Delaunay, and one-sided, between its surface facets, which stay: arguments and result as of\n"
-          "refill; size: edge length per point.");
+          nb::sig("def conform_inside(mesh: wct_plugin.core.domain.StratifiedMesh,"
+                  " sides: numpy.typing.NDArray[numpy.int64], options: wct_plugin.core.requests.ConformOptions,"
+                  " progress: collections.abc.Callable[[float, int], typing.Any] | None = None)"
+                  " -> wct_plugin.core.results.RefillResult"),
+          R"(Make a mesh Delaunay, and one-sided, between its surface facets, which stay.
+
+Arguments, result and errors as of refill; edges are as long as the mesh's sizes say.)");
 }
 
 } // namespace wct::bindings

@@ -23,79 +23,83 @@ namespace wct::bindings {
 
 namespace {
 
-nb::dict to_python(const sampling::Resampled &result, const sampling::SurfaceLabels &surface,
-                   const std::vector<int> &held) {
-    const sampling::Cloud &cloud = result.cloud;
-    std::vector<int> kept; // the tets inside
-    for (std::size_t t = 0; t < result.complex.all.tets.size(); ++t)
-        if (result.complex.region[t] >= 0)
-            kept.push_back(static_cast<int>(t));
-    std::vector<char> used(cloud.count(), 0);
-    for (const int t : kept)
-        for (const int v : result.complex.all.tets[t])
-            used[v] = 1;
-    std::vector<std::size_t> points;
-    std::vector<std::int64_t> place(cloud.count(), -1);
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        if (used[i]) {
-            place[i] = static_cast<std::int64_t>(points.size());
-            points.push_back(i);
-        }
-    nb::dict out;
-    out["points"] = array<double>(points.size(), 3, [&](double *to) {
-        for (const std::size_t i : points) {
-            *to++ = cloud.points[i].x;
-            *to++ = cloud.points[i].y;
-            *to++ = cloud.points[i].z;
-        }
-    });
-    out["tets"] = array<std::int64_t>(kept.size(), 4, [&](std::int64_t *to) {
-        for (const int t : kept)
-            for (const int v : result.complex.all.tets[t])
-                *to++ = place[v];
-    });
-    out["region"] = array<std::int64_t>(kept.size(), 0, [&](std::int64_t *to) {
-        for (const int t : kept)
-            *to++ = result.complex.region[t];
-    });
-    out["stratum"] = array<std::int8_t>(points.size(), 0, [&](std::int8_t *to) {
-        for (const std::size_t i : points)
-            *to++ = static_cast<std::int8_t>(cloud.role[i]);
-    });
-    out["label"] = array<std::int64_t>(points.size(), 0, [&](std::int64_t *to) {
-        for (const std::size_t i : points)
-            *to++ = cloud.role[i] == Stratum::interior ? -1 : cloud.label[i];
-    });
-    out["size"] = array<double>(points.size(), 0, [&](double *to) {
-        for (const std::size_t i : points)
-            *to++ = cloud.size[i];
-    });
-    out["facets"] = array<std::int64_t>(surface.facets.size(), 3, [&](std::int64_t *to) {
-        for (const Facet &facet : surface.facets)
-            for (const int v : facet)
-                *to++ = place[v];
-    });
-    out["facet_patch"] = array_of<std::int64_t>(surface.patch);
-    out["creases"] = array<std::int64_t>(surface.creases.size(), 2, [&](std::int64_t *to) {
-        for (const Edge &edge : surface.creases)
-            for (const int v : edge)
-                *to++ = place[v];
-    });
-    out["crease_curve"] = array_of<std::int64_t>(surface.curve);
-    const auto flawed = [&](const std::vector<int> &list) {
+/// The tets inside, and the points that they have.
+struct Inside {
+    explicit Inside(const sampling::Resampled &result) : place(result.cloud.count(), -1) {
+        const auto &all = result.complex.all.tets;
+        std::vector<char> used(result.cloud.count(), 0);
+        for (std::size_t t = 0; t < all.size(); ++t)
+            if (result.complex.region[t] >= 0) {
+                tets.push_back(static_cast<int>(t));
+                for (const int v : all[t])
+                    used[v] = 1;
+            }
+        for (std::size_t i = 0; i < used.size(); ++i)
+            if (used[i]) {
+                place[i] = static_cast<std::int64_t>(points.size());
+                points.push_back(i);
+            }
+    }
+
+    /// The new numbers of these points.
+    nb::object numbers(const std::vector<int> &list) const {
         return array<std::int64_t>(list.size(), 0, [&](std::int64_t *to) {
             for (const int v : list)
                 *to++ = place[v];
         });
-    };
-    out["held"] = array<std::int64_t>(points.size(), 0, [&](std::int64_t *to) {
-        for (const std::size_t i : points)
-            *to++ = held.empty() ? -1 : held[i];
-    });
-    out["exposed"] = flawed(result.flaws.exposed);
-    out["pinched"] = flawed(result.flaws.pinched);
-    out["lost"] = flawed(result.lost);
-    out["intact"] = result.intact;
+    }
+
+    /// These cells with the new numbers.
+    template <std::size_t corners> nb::object cells(const std::vector<std::array<std::int32_t, corners>> &list) const {
+        return array<std::int64_t>(list.size(), corners, [&](std::int64_t *to) {
+            for (const auto &cell : list)
+                for (const int v : cell)
+                    *to++ = place[v];
+        });
+    }
+
+    /// What `of` says of each point.
+    template <class T, class Of> nb::object per_point(const Of &of) const {
+        return array<T>(points.size(), 0, [&](T *to) {
+            for (const std::size_t i : points)
+                *to++ = static_cast<T>(of(i));
+        });
+    }
+
+    std::vector<int> tets;
+    std::vector<std::size_t> points;
+    std::vector<std::int64_t> place; // -1: not used
+};
+
+nb::object mesh_of(const sampling::Resampled &result, const sampling::SurfaceLabels &surface, const Inside &inside) {
+    const sampling::Cloud &cloud = result.cloud;
+    std::vector<Vec3> points;
+    for (const std::size_t i : inside.points)
+        points.push_back(cloud.points[i]);
+    std::vector<Tet> tets;
+    std::vector<int> region;
+    for (const int t : inside.tets) {
+        tets.push_back(result.complex.all.tets[t]);
+        region.push_back(result.complex.region[t]);
+    }
+    nb::dict out;
+    out["points"] = array_of(points);
+    out["tets"] = inside.cells(tets);
+    out["regions"] = array_of<std::int64_t>(region);
+    out["stratum"] = inside.per_point<std::int8_t>([&](std::size_t i) { return cloud.role[i]; });
+    out["label"] = inside.per_point<std::int64_t>(
+        [&](std::size_t i) { return cloud.role[i] == Stratum::interior ? -1 : cloud.label[i]; });
+    out["size"] = inside.per_point<double>([&](std::size_t i) { return cloud.size[i]; });
+    out["facets"] = inside.cells(surface.facets);
+    out["facet_patch"] = array_of<std::int64_t>(surface.patch);
+    out["creases"] = inside.cells(surface.creases);
+    out["crease_curve"] = array_of<std::int64_t>(surface.curve);
+    return made("wct_plugin.core.domain", "StratifiedMesh", out);
+}
+
+nb::object to_python(const sampling::Resampled &result, const sampling::SurfaceLabels &surface,
+                     const std::vector<int> &held) {
+    const Inside inside(result);
     nb::dict stats;
     stats["bad"] = result.tally.bad;
     stats["deviation_out"] = result.deviation.most_out;
@@ -104,8 +108,15 @@ nb::dict to_python(const sampling::Resampled &result, const sampling::SurfaceLab
     stats["stopped"] = result.stopped;
     for (const auto &[name, value] : result.stats)
         stats[name.c_str()] = value;
+    nb::dict out;
+    out["mesh"] = mesh_of(result, surface, inside);
+    out["held"] = inside.per_point<std::int64_t>([&](std::size_t i) { return held.empty() ? -1 : held[i]; });
+    out["exposed"] = inside.numbers(result.flaws.exposed);
+    out["pinched"] = inside.numbers(result.flaws.pinched);
+    out["lost"] = inside.numbers(result.lost);
+    out["intact"] = result.intact;
     out["stats"] = stats;
-    return out;
+    return made("wct_plugin.core.results", "ResampleResult", out);
 }
 
 /// Hand freed memory back to the system: what comes after a large piece of work needs its room in other pieces, and the
@@ -127,110 +138,77 @@ std::vector<Place> places_of(const Array &at, const char *at_name, const Array &
     return places;
 }
 
-/// Places where edges are to be shorter.
-std::vector<domain::SizeLimit> limits_of(const std::optional<Array> &at, const std::optional<Array> &size) {
-    if (at.has_value() != size.has_value())
-        refuse("finer_at and finer_size go together");
-    if (!at)
+/// A mesh's points, and where it is made anew: a KeptPoints.
+std::optional<sampling::PartialRenewal> renewal_of(nb::handle kept) {
+    if (kept.is_none())
         return {};
-    return places_of<domain::SizeLimit>(*at, "finer_at", *size, "finer_size");
-}
-
-/// A mesh's points, and where it is made anew.
-std::optional<sampling::PartialRenewal>
-renewal_of(const std::optional<Array> &points, const std::optional<Array> &stratum, const std::optional<Array> &label,
-           const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius) {
-    if (!points && !stratum && !label && !anew_at && !anew_radius)
-        return {};
-    if (!points || !stratum || !label || !anew_at || !anew_radius)
-        refuse("kept_points, kept_stratum, kept_label, anew_at and anew_radius go together");
-    const std::vector<Vec3> at = points_of(*points, "kept_points");
+    const std::vector<Vec3> at = points_of(attribute<Array>(kept, "points"), "kept points");
     const auto strata = static_cast<std::int64_t>(Stratum::corner) + 1;
-    const std::vector<int> role = numbers_of(*stratum, at.size(), strata, "kept_stratum");
+    const std::vector<int> role = numbers_of(attribute<Array>(kept, "stratum"), at.size(), strata, "kept stratum");
     const std::vector<int> labels =
-        numbers_of(*label, at.size(), std::numeric_limits<std::int32_t>::max(), "kept_label");
+        numbers_of(attribute<Array>(kept, "label"), at.size(), std::numeric_limits<std::int32_t>::max(), "kept label");
     sampling::Cloud mesh;
     for (std::size_t i = 0; i < at.size(); ++i)
         mesh.add(at[i], static_cast<Stratum>(role[i]), labels[i], 0.0);
     return std::optional<sampling::PartialRenewal>(
         std::in_place, std::move(mesh),
-        places_of<sampling::PartialRenewal::Zone>(*anew_at, "anew_at", *anew_radius, "anew_radius"));
+        places_of<sampling::PartialRenewal::Zone>(attribute<Array>(kept, "at"), "at", attribute<Array>(kept, "radius"),
+                                                  "radius"));
 }
 
-/// Facets of the surface that are given, with their points.
-sampling::HeldFacets held_of(const Array &points, const Array &stratum, const Array &label, const Array &facets,
-                             const Array &facet_patch, const Array &edges, const Array &curves,
-                             const domain::SurfaceData &surface) {
-    sampling::HeldFacets held;
-    held.points = points_of(points, "held_points");
+/// Facets of the surface that are given, with their points: a HeldFacets.
+sampling::HeldFacets held_of(nb::handle held, const domain::SurfaceData &surface) {
+    sampling::HeldFacets out;
+    out.points = points_of(attribute<Array>(held, "points"), "held points");
+    const std::size_t count = out.points.size();
     const auto strata = static_cast<std::int64_t>(Stratum::corner) + 1;
-    for (const int role : numbers_of(stratum, held.points.size(), strata, "held_stratum"))
-        held.role.push_back(static_cast<Stratum>(role));
-    held.label = numbers_of(label, held.points.size(), std::numeric_limits<std::int32_t>::max(), "held_label");
-    held.facets = cells_of<3>(facets, held.points.size(), "held_facets");
-    held.patch =
-        numbers_of(facet_patch, held.facets.size(), static_cast<std::int64_t>(surface.sides.size()), "held_patch");
-    held.edges = cells_of<2>(edges, held.points.size(), "held_edges");
-    held.curves = numbers_of(curves, static_cast<std::int64_t>(surface.segments.size()), "held_curves");
-    return held;
+    for (const int role : numbers_of(attribute<Array>(held, "stratum"), count, strata, "held stratum"))
+        out.role.push_back(static_cast<Stratum>(role));
+    out.label =
+        numbers_of(attribute<Array>(held, "label"), count, std::numeric_limits<std::int32_t>::max(), "held label");
+    out.facets = cells_of<3>(attribute<Array>(held, "facets"), count, "held facets");
+    out.patch = numbers_of(attribute<Array>(held, "patch"), out.facets.size(),
+                           static_cast<std::int64_t>(surface.sides.size()), "held patch");
+    out.edges = cells_of<2>(attribute<Array>(held, "edges"), count, "held edges");
+    out.curves =
+        numbers_of(attribute<Array>(held, "curves"), static_cast<std::int64_t>(surface.segments.size()), "held curves");
+    return out;
 }
 
-nb::dict resample_arrays(const Array &surface_points, const Array &triangles, const Array &patch, const Array &segments,
-                         const Array &curve, const Array &corners, const Array &sides, const Array &points,
-                         const Array &tets, const Array &region, double tolerance, const std::optional<Array> &size,
-                         const std::optional<Array> &folds, const std::optional<Array> &finer_at,
-                         const std::optional<Array> &finer_size, const std::optional<Array> &kept_points,
-                         const std::optional<Array> &kept_stratum, const std::optional<Array> &kept_label,
-                         const std::optional<Array> &anew_at, const std::optional<Array> &anew_radius,
-                         const std::optional<Array> &held_points, const std::optional<Array> &held_stratum,
-                         const std::optional<Array> &held_label, const std::optional<Array> &held_facets,
-                         const std::optional<Array> &held_patch, const std::optional<Array> &held_edges,
-                         const std::optional<Array> &held_curves, bool cosines, std::uint64_t seed,
-                         const nb::object &progress, double gap, double flat, const nb::object &expected,
-                         unsigned threads, const std::optional<Array> &local, const std::optional<Array> &most) {
+/// A ResampleOptions, for a surface of so many points.
+sampling::ResampleOptions options_of(nb::handle asked, std::size_t surface_points) {
+    sampling::ResampleOptions options;
+    options.sizing.gap = attribute<double>(asked, "gap");
+    options.sizing.tolerance = attribute<double>(asked, "tolerance");
+    if (!(options.sizing.tolerance > 0.0))
+        throw std::invalid_argument("tolerance must be positive");
+    if (!(options.sizing.gap > 0.0))
+        throw std::invalid_argument("gap must be positive");
+    if (const auto local = maybe<Array>(asked, "local_tolerance"))
+        options.sizing.local = sizes_of(*local, surface_points, "local_tolerance");
+    if (const auto most = maybe<Array>(asked, "surface_size"))
+        options.sizing.most = sizes_of(*most, surface_points, "surface_size");
+    options.sizing.limits = places_of<domain::SizeLimit>(attribute<Array>(asked, "finer_at"), "finer_at",
+                                                         attribute<Array>(asked, "finer_size"), "finer_size");
+    options.cosines = attribute<bool>(asked, "cosines");
+    options.seed = attribute<std::uint64_t>(asked, "seed");
+    return options;
+}
+
+nb::object resample(nb::handle on, nb::handle of, nb::handle asked, nb::handle kept, nb::handle holds,
+                    const nb::object &progress, const nb::object &expected, unsigned threads) {
     trim();
-    domain::SurfaceData surface =
-        surface_of(points_of(surface_points, "surface_points"), triangles, "triangles", patch, "patch", sides);
-    surface.segments = cells_of<2>(segments, surface.points.size(), "segments");
-    surface.curve = curves_of(curve, surface.segments.size(), surface.triangles.size(), "curve");
-    surface.corners = numbers_of(corners, static_cast<std::int64_t>(surface.points.size()), "corners");
-    if (folds)
-        surface.folds = cells_of<2>(*folds, surface.points.size(), "folds");
-    const domain::InputMesh mesh = mesh_of(points, tets, region);
+    domain::SurfaceData surface = surface_of(on);
+    const domain::InputMesh mesh = region_mesh_of(of);
     if (surface.triangles.empty() || mesh.tets.empty())
         throw std::invalid_argument("a surface and a mesh are needed");
-    if (!(tolerance > 0.0))
-        throw std::invalid_argument("tolerance must be positive");
-    if (!(gap > 0.0))
-        throw std::invalid_argument("gap must be positive");
-    if (!(flat >= 0.0))
-        throw std::invalid_argument("flat may not be negative");
-    surface.flat = flat;
-    const std::vector<double> wanted = wanted_of(size, mesh);
-    sampling::ResampleOptions options;
-    options.sizing.gap = gap;
-    options.sizing.tolerance = tolerance;
-    if (local)
-        options.sizing.local = sizes_of(*local, surface.points.size(), "local_tolerance");
-    if (most)
-        options.sizing.most = sizes_of(*most, surface.points.size(), "surface_size");
-    options.sizing.limits = limits_of(finer_at, finer_size);
-    options.cosines = cosines;
-    options.seed = seed;
+    sampling::ResampleOptions options = options_of(asked, surface.points.size());
+    const std::vector<double> wanted = wanted_of(maybe<Array>(asked, "size"), mesh);
     if (!expected.is_none())
         options.expected = [&](double tets) { return goes_on(expected, tets); };
-    const std::optional<sampling::PartialRenewal> renewal =
-        renewal_of(kept_points, kept_stratum, kept_label, anew_at, anew_radius);
-    const std::optional<Array> *of_held[] = {&held_points, &held_stratum, &held_label, &held_facets,
-                                             &held_patch,  &held_edges,   &held_curves};
-    const auto given = static_cast<std::size_t>(
-        std::count_if(std::begin(of_held), std::end(of_held), [](auto *one) { return one->has_value(); }));
-    if (given != 0 && given != std::size(of_held))
-        refuse(
-            "held_points, held_stratum, held_label, held_facets, held_patch, held_edges and held_curves go together");
-    const sampling::HeldFacets facets = given ? held_of(*held_points, *held_stratum, *held_label, *held_facets,
-                                                        *held_patch, *held_edges, *held_curves, surface)
-                                              : sampling::HeldFacets{};
+    const std::optional<sampling::PartialRenewal> renewal = renewal_of(kept);
+    const sampling::HeldFacets facets = holds.is_none() ? sampling::HeldFacets{} : held_of(holds, surface);
+    const bool given = !holds.is_none();
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     sampling::Resampled result;
     sampling::SurfaceLabels labels;
@@ -258,53 +236,50 @@ nb::dict resample_arrays(const Array &surface_points, const Array &triangles, co
 } // namespace
 
 void bind_resample(nb::module_ &m) {
-    m.def(
-        "resample", &resample_arrays, nb::arg("surface_points"), nb::arg("triangles"), nb::arg("patch"),
-        nb::arg("segments"), nb::arg("curve"), nb::arg("corners"), nb::arg("sides"), nb::arg("points"), nb::arg("tets"),
-        nb::arg("region"), nb::arg("tolerance"), nb::arg("size") = nb::none(), nb::arg("folds") = nb::none(),
-        nb::arg("finer_at") = nb::none(), nb::arg("finer_size") = nb::none(), nb::arg("kept_points") = nb::none(),
-        nb::arg("kept_stratum") = nb::none(), nb::arg("kept_label") = nb::none(), nb::arg("anew_at") = nb::none(),
-        nb::arg("anew_radius") = nb::none(), nb::arg("held_points") = nb::none(), nb::arg("held_stratum") = nb::none(),
-        nb::arg("held_label") = nb::none(), nb::arg("held_facets") = nb::none(), nb::arg("held_patch") = nb::none(),
-        nb::arg("held_edges") = nb::none(), nb::arg("held_curves") = nb::none(), nb::arg("cosines") = true,
-        nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("gap") = domain::SizingForm{}.gap,
-        nb::arg("flat") = 0.0, nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
-        nb::arg("local_tolerance") = nb::none(), nb::arg("surface_size") = nb::none(),
-        "Resample a domain with tets that are nearly all well-centered.\n\n"
-        "The surface: surface_points (n, 3), triangles (t, 3), patch (t,), crease segments (s, 2) with their curve "
-        "ids\n"
-        "(s,), corners (c,), sides (patches, 2): the region behind a patch's triangles and the one before, -1 "
-        "outside.\n"
-        "The mesh that says what is inside: points, tets, region per tet >= 0. tolerance: greatest distance between\n"
-        "mesh and surface, in the mesh's unit. local_tolerance: the same per\n"
-        "surface point, where it is less in places. size: wanted edge length per mesh point, default the mesh's own "
-        "local\n"
-        "one. surface_size: longest edges wanted per surface point.\n"
-        "folds (f, 2): edges of the surface that bend as creases do and are none. finer_at (k, 3), finer_size "
-        "(k,): edges are no longer than this round these places.\n"
-        "kept_points (k, 3), kept_stratum, kept_label (k,): a mesh's points, with the patch, curve, surface point or,\n"
-        "inside, region of each, that stay but for within anew_radius (z,) of anew_at (z, 3). held_points, "
-        "held_stratum,\n"
-        "held_label (h,) in the same way, held_facets (g, 3) between them, running as the surface's triangles do, and\n"
-        "held_patch (g,): the facets of some patches, all of them, that are to be there; held_edges (e, 2) in the same "
-        "way\n"
-        "of held_curves (c,). progress(done, bad) "
-        "returns False to stop. gap: how long edges beside a gap outside may be, in widths\n"
-        "of the gap. flat: as far off a plane or line vertices may be where they count as on it, if that is more than "
-        "1e-9 of its extent. expected(tets) hears about how many tets there will be, before any is made, but for a "
-        "mesh made\n"
-        "anew in places; it returns False to give up, without a tet.\n\n"
-        "Returns a dict: points, tets, region per tet, per point stratum (0 interior, as are points of the surface\n"
-        "buried there, 1 patch, 2 crease, 3 corner),\n"
-        "label (patch or curve id, surface point of a corner, -1 inside), size and held, the held point that it is or "
-        "-1;\n"
-        "exposed and pinched, the points "
-        "where\n"
-        "the result is no manifold (both empty if all went well); intact: none such but at corners, no facet cuts\n"
-        "across from one planar patch to another, the creases of those have no gaps, and the Euler characteristic of\n"
-        "every region is as in the mesh, and all held facets are there; lost: points where the domain is not "
-        "represented, but for corners;\n"
-        "stats. No tets where it was stopped before there were any. The same input and seed give the same bits.");
+    m.def("resample", &resample, nb::arg("surface"), nb::arg("mesh"), nb::arg("options"), nb::kw_only(),
+          nb::arg("kept") = nb::none(), nb::arg("held") = nb::none(), nb::arg("progress") = nb::none(),
+          nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
+          nb::sig("def resample(surface: wct_plugin.core.domain.StratifiedSurface,"
+                  " mesh: wct_plugin.core.domain.RegionMesh | wct_plugin.core.domain.StratifiedMesh,"
+                  " options: wct_plugin.core.requests.ResampleOptions, *,"
+                  " kept: wct_plugin.core.requests.KeptPoints | None = None,"
+                  " held: wct_plugin.core.requests.HeldFacets | None = None,"
+                  " progress: collections.abc.Callable[[float, int], typing.Any] | None = None,"
+                  " expected: collections.abc.Callable[[float], typing.Any] | None = None,"
+                  " threads: int = 0) -> wct_plugin.core.results.ResampleResult"),
+          R"(Resample a domain with tets that are nearly all well-centered.
+
+Parameters
+----------
+surface
+    To stay near; with its sides and corners.
+mesh
+    Says what is inside.
+options
+    How.
+kept
+    Points of a mesh that stay, but for those near some places: it is made anew there, and what is beside moves.
+held
+    Facets and edges that are to be in the mesh, to the bit.
+progress
+    ``progress(done, bad)`` hears the done fraction and the number of tets that miss the goal; it returns something
+    false other than None to stop.
+expected
+    ``expected(tets)`` hears about how many tets there will be, before any is made, but for a mesh made anew in places;
+    it returns False to give up, without a tet.
+threads
+    At most so many work; 0: OMP_NUM_THREADS, or one per core. The bits are the same whatever it is.
+
+Returns
+-------
+ResampleResult
+    The label of a corner is its surface point. Points of the surface that are buried inside count as interior.
+    No tets where it was stopped before there were any. The same input and seed give the same bits.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index, or an option a value that is not allowed.)");
 }
 
 } // namespace wct::bindings

@@ -1,5 +1,5 @@
-#include "bindings/arrays.h"
 #include "bindings/bindings.h"
+#include "bindings/domain.h"
 #include "geometry/predicates.h"
 #include "search/crease_release.h"
 #include "search/needle_cosines.h"
@@ -105,197 +105,226 @@ double mean_size(const std::vector<double> &size, const std::vector<Stratum> &st
     return count > 0.0 ? sum / count : 1.0;
 }
 
-nb::dict to_python(const search::TetComplex &complex, const search::SearchOutcome &outcome,
-                   const std::vector<int> &released) {
-    std::vector<int> place(complex.vertex_slots(), -1);
-    std::vector<double> out_points, out_sizes;
-    std::vector<std::int64_t> out_tets, out_regions, out_labels, out_facets, out_patches, out_creases, out_curves;
-    std::vector<std::int64_t> out_stuck;
-    std::vector<std::int8_t> out_strata;
-    for (std::size_t k = 0; k < complex.vertex_slots(); ++k) {
-        const int v = static_cast<int>(k);
-        if (!complex.used(v))
-            continue;
-        place[v] = static_cast<int>(out_strata.size());
+/// What is left of a complex, numbered anew.
+struct Compact {
+    explicit Compact(const search::TetComplex &complex) : place(complex.vertex_slots(), -1) {
+        for (std::size_t k = 0; k < complex.vertex_slots(); ++k)
+            if (complex.used(static_cast<int>(k))) {
+                place[k] = static_cast<int>(vertices.size());
+                vertices.push_back(static_cast<int>(k));
+            }
+        for (std::size_t k = 0; k < complex.tet_slots(); ++k)
+            if (complex.alive(static_cast<int>(k)))
+                tets.push_back(static_cast<int>(k));
+    }
+
+    /// A cell with the new numbers.
+    template <std::size_t corners> std::array<std::int32_t, corners> cell(std::array<std::int32_t, corners> of) const {
+        for (auto &v : of)
+            v = place[v];
+        return of;
+    }
+
+    std::vector<int> vertices, tets;
+    std::vector<int> place; // -1: not used
+};
+
+nb::object mesh_of(const search::TetComplex &complex, const Compact &compact) {
+    std::vector<Vec3> points;
+    std::vector<double> sizes;
+    std::vector<std::int64_t> labels;
+    std::vector<std::int8_t> strata;
+    for (const int v : compact.vertices) {
         const search::Vertex &vertex = complex.vertex(v);
-        out_points.insert(out_points.end(), {vertex.position.x, vertex.position.y, vertex.position.z});
-        out_strata.push_back(static_cast<std::int8_t>(vertex.stratum));
-        out_labels.push_back(vertex.label);
-        out_sizes.push_back(vertex.size);
+        points.push_back(vertex.position);
+        strata.push_back(static_cast<std::int8_t>(vertex.stratum));
+        labels.push_back(vertex.label);
+        sizes.push_back(vertex.size);
     }
-    for (std::size_t k = 0; k < complex.tet_slots(); ++k) {
-        const int t = static_cast<int>(k);
-        if (!complex.alive(t))
-            continue;
-        if (std::binary_search(outcome.stuck.begin(), outcome.stuck.end(), t))
-            out_stuck.push_back(static_cast<std::int64_t>(out_regions.size()));
-        for (int v : complex.tet(t))
-            out_tets.push_back(place[v]);
-        out_regions.push_back(complex.region(t));
+    std::vector<Tet> tets;
+    std::vector<int> regions;
+    for (const int t : compact.tets) {
+        tets.push_back(compact.cell(complex.tet(t)));
+        regions.push_back(complex.region(t));
     }
+    std::vector<Facet> facets;
+    std::vector<int> patches;
     for (const auto &[key, patch] : complex.sorted_surface()) {
-        for (int v : key)
-            out_facets.push_back(place[v]);
-        out_patches.push_back(patch);
+        facets.push_back(compact.cell(key));
+        patches.push_back(patch);
     }
     std::vector<std::pair<Edge, int>> curves(complex.creases().begin(), complex.creases().end());
     std::sort(curves.begin(), curves.end());
-    for (const auto &[key, curve] : curves) {
-        for (int v : key)
-            out_creases.push_back(place[v]);
-        out_curves.push_back(curve);
+    std::vector<Edge> edges;
+    std::vector<int> curve;
+    for (const auto &[key, one] : curves) {
+        edges.push_back(compact.cell(key));
+        curve.push_back(one);
     }
-    nb::dict result;
-    result["points"] = array_of<double>(out_points, 3);
-    result["tets"] = array_of<std::int64_t>(out_tets, 4);
-    result["regions"] = array_of<std::int64_t>(out_regions);
-    result["stratum"] = array_of<std::int8_t>(out_strata);
-    result["label"] = array_of<std::int64_t>(out_labels);
-    result["size"] = array_of<double>(out_sizes);
-    result["facets"] = array_of<std::int64_t>(out_facets, 3);
-    result["facet_patch"] = array_of<std::int64_t>(out_patches);
-    result["creases"] = array_of<std::int64_t>(out_creases, 2);
-    result["crease_curve"] = array_of<std::int64_t>(out_curves);
-    result["bad"] = outcome.bad;
-    result["stuck"] = array_of<std::int64_t>(out_stuck);
-    result["passes"] = outcome.passes;
-    result["kicks"] = outcome.kicks;
-    result["accepted"] = outcome.accepted;
-    result["evaluations"] = outcome.evaluations;
-    result["stopped"] = outcome.stopped;
-    result["released"] = array_of<std::int64_t>(std::vector<std::int64_t>(released.begin(), released.end()));
-    return result;
+    nb::dict out;
+    out["points"] = array_of(points);
+    out["tets"] = array_of<std::int64_t>(tets);
+    out["regions"] = array_of<std::int64_t>(regions);
+    out["stratum"] = array_of<std::int8_t>(strata);
+    out["label"] = array_of<std::int64_t>(labels);
+    out["size"] = array_of<double>(sizes);
+    out["facets"] = array_of<std::int64_t>(facets);
+    out["facet_patch"] = array_of<std::int64_t>(patches);
+    out["creases"] = array_of<std::int64_t>(edges);
+    out["crease_curve"] = array_of<std::int64_t>(curve);
+    return made("wct_plugin.core.domain", "StratifiedMesh", out);
 }
 
-nb::dict search_well_centered(const Array &points, const Array &tets, const Array &regions, const Array &stratum,
-                              const Array &label, const Array &size, const Array &facets, const Array &facet_patch,
-                              const Array &creases, const Array &crease_curve, const Array &surface_points,
-                              const Array &surface_triangles, const Array &surface_patch, const Array &surface_segments,
-                              const Array &surface_curve, double tolerance, bool acute, double margin,
-                              bool flip_surface, bool split_surface, int passes, long kicks, std::uint64_t seed,
-                              const nb::object &progress, const std::optional<Array> &ruled_out,
-                              const std::optional<Array> &fixed, const std::optional<Array> &fixed_curves,
-                              const std::optional<Array> &loose, double worth, double flat,
-                              const std::optional<Array> &volumes, const std::optional<std::size_t> &most_tets,
-                              const std::optional<Array> &local_tolerance, const std::optional<long> &most_evaluations,
-                              double crease_angle) {
-    const auto on = points_of(surface_points, "surface_points");
-    const auto triangles = cells_of<3>(surface_triangles, on.size(), "surface_triangles");
-    const auto patch =
-        numbers_of(surface_patch, triangles.size(), static_cast<std::int64_t>(triangles.size()), "surface_patch");
-    const auto segments = cells_of<2>(surface_segments, on.size(), "surface_segments");
-    const auto curve = curves_of(surface_curve, segments.size(), triangles.size(), "surface_curve");
-    const std::vector<std::uint8_t> has_patch = pieces(patch), has_curve = pieces(curve);
-    const auto patches = static_cast<std::int64_t>(has_patch.size());
-    const auto curves = static_cast<std::int64_t>(has_curve.size());
+nb::object to_python(const search::TetComplex &complex, const search::SearchOutcome &outcome,
+                     const std::vector<int> &released) {
+    const Compact compact(complex);
+    std::vector<std::int64_t> stuck;
+    for (std::size_t row = 0; row < compact.tets.size(); ++row)
+        if (std::binary_search(outcome.stuck.begin(), outcome.stuck.end(), compact.tets[row]))
+            stuck.push_back(static_cast<std::int64_t>(row));
+    nb::dict out;
+    out["mesh"] = mesh_of(complex, compact);
+    out["bad"] = outcome.bad;
+    out["stuck"] = array_of<std::int64_t>(stuck);
+    out["passes"] = outcome.passes;
+    out["kicks"] = outcome.kicks;
+    out["accepted"] = outcome.accepted;
+    out["evaluations"] = outcome.evaluations;
+    out["stopped"] = outcome.stopped;
+    out["released"] = array_of<std::int64_t>(released);
+    return made("wct_plugin.core.results", "SearchResult", out);
+}
 
-    const auto at = points_of(points);
-    const auto cells = cells_of<4>(tets, at.size(), "tets");
-    const auto region = numbers_of(regions, cells.size(), std::numeric_limits<int>::max(), "regions");
-    const auto role = strata_of(stratum, at.size());
-    const auto owner = labels_of(label, at.size(), "label");
-    const auto wanted = sizes_of(size, at.size(), "size");
-    const auto sheet = cells_of<3>(facets, at.size(), "facets");
-    const auto sheet_patch = numbers_of(facet_patch, sheet.size(), patches, "facet_patch");
-    for (const int p : sheet_patch)
+/// What names a piece of the surface does so, of those there are.
+void expect_pieces(const StratifiedMesh &mesh, const domain::SurfaceData &on) {
+    const std::vector<std::uint8_t> has_patch = pieces(on.patch), has_curve = pieces(on.curve);
+    for (const int p : mesh.facet_patch)
         expect_piece(p, has_patch, "facet_patch");
-    const auto edges = cells_of<2>(creases, at.size(), "creases");
-    const auto edge_curve = numbers_of(crease_curve, edges.size(), curves, "crease_curve");
-    for (const int c : edge_curve)
+    for (const int c : mesh.crease_curve)
         expect_piece(c, has_curve, "crease_curve");
-    for (std::size_t v = 0; v < at.size(); ++v) {
-        const std::int64_t count = role[v] == Stratum::patch    ? patches
-                                   : role[v] == Stratum::crease ? curves
-                                                                : static_cast<std::int64_t>(on.size());
-        const bool pinned = role[v] == Stratum::corner && owner[v] == -1;
-        if (role[v] != Stratum::interior && !pinned && (owner[v] < 0 || owner[v] >= count))
-            refuse("label of point " + std::to_string(v) + " is " + std::to_string(owner[v]) + "; there are " +
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+        const Stratum role = mesh.stratum[v];
+        const std::int64_t label = mesh.label[v];
+        const std::size_t count = role == Stratum::patch    ? has_patch.size()
+                                  : role == Stratum::crease ? has_curve.size()
+                                                            : on.points.size();
+        const bool pinned = role == Stratum::corner && label == -1;
+        if (role != Stratum::interior && !pinned && (label < 0 || label >= static_cast<std::int64_t>(count)))
+            refuse("label of point " + std::to_string(v) + " is " + std::to_string(label) + "; there are " +
                    std::to_string(count) +
-                   (role[v] == Stratum::patch    ? " patches"
-                    : role[v] == Stratum::crease ? " curves"
-                                                 : " surface_points"));
-        if (role[v] == Stratum::patch || role[v] == Stratum::crease)
-            expect_piece(owner[v], role[v] == Stratum::patch ? has_patch : has_curve, "label");
+                   (role == Stratum::patch    ? " patches"
+                    : role == Stratum::crease ? " curves"
+                                              : " points of the surface"));
+        if (role == Stratum::patch || role == Stratum::crease)
+            expect_piece(label, role == Stratum::patch ? has_patch : has_curve, "label");
     }
-    expect_conforming(at, cells, sheet, edges);
-    std::vector<int> hopeless;
-    if (ruled_out)
-        hopeless = numbers_of(*ruled_out, static_cast<std::int64_t>(sheet.size()), "ruled_out");
-    std::vector<std::uint8_t> stays(static_cast<std::size_t>(patches), 0);
-    if (fixed)
-        for (const int p : numbers_of(*fixed, patches, "fixed"))
-            stays[p] = 1;
-    for (std::size_t k = 0; k < sheet.size(); ++k)
-        for (const int v : sheet[k])
-            if (stays[sheet_patch[k]] && !(role[v] == Stratum::corner && owner[v] == -1))
-                refuse("fixed holds patch " + std::to_string(sheet_patch[k]) + ", and point " + std::to_string(v) +
-                       " of it may move");
-    if ((flip_surface || split_surface) &&
-        std::any_of(hopeless.begin(), hopeless.end(), [&](int k) { return !stays[sheet_patch[k]]; }))
-        refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
-    std::vector<std::uint8_t> curve_stays(static_cast<std::size_t>(curves), 0);
-    if (fixed_curves)
-        for (const int c : numbers_of(*fixed_curves, curves, "fixed_curves"))
-            curve_stays[c] = 1;
-    std::vector<std::uint8_t> may_go(static_cast<std::size_t>(curves), 0);
-    if (loose)
-        for (const int c : numbers_of(*loose, curves, "loose"))
-            may_go[c] = 1;
-    if (!(tolerance > 0.0))
-        refuse("tolerance is " + std::to_string(tolerance) + "; it must be positive");
-    if (!(margin >= 0.0 && margin < 1.0 / 3.0))
-        refuse("margin is " + std::to_string(margin) + "; it must lie in 0..1/3, the value of the regular tet");
-    if (passes < 0 || kicks < 0)
-        refuse("passes is " + std::to_string(passes) + " and kicks is " + std::to_string(kicks) +
-               "; neither may be negative");
+}
 
-    if (!(flat >= 0.0))
-        refuse("flat is " + std::to_string(flat) + "; it may not be negative");
-    if (most_evaluations && *most_evaluations < 0)
-        refuse("most_evaluations is " + std::to_string(*most_evaluations) + "; it may not be negative");
-    if (!(crease_angle > 0.0 && crease_angle <= 180.0))
-        refuse("crease_angle is " + std::to_string(crease_angle) + "; it must lie in 0..180 degrees");
-    if (!(worth >= 0.0))
-        refuse("worth is " + std::to_string(worth) + "; it may not be negative");
+/// A mask of `count` numbers, of those that an option lists.
+std::vector<std::uint8_t> listed(nb::handle asked, const char *name, std::size_t count) {
+    std::vector<std::uint8_t> mask(count, 0);
+    if (const auto given = maybe<Array>(asked, name))
+        for (const int k : numbers_of(*given, static_cast<std::int64_t>(count), name))
+            mask[k] = 1;
+    return mask;
+}
 
-    const std::vector<double> local =
-        local_tolerance ? sizes_of(*local_tolerance, on.size(), "local_tolerance") : std::vector<double>{};
+/// A number of the options that must meet a condition.
+template <class T> T number(nb::handle asked, const char *name, bool (*allowed)(T), const char *must) {
+    const T value = attribute<T>(asked, name);
+    if (!allowed(value))
+        refuse(std::string(name) + " is " + std::to_string(value) + "; it " + must);
+    return value;
+}
 
-    search::TetComplex complex;
-    const auto needle = search::needle_cosines(at, cells, region, edges);
-    for (std::size_t v = 0; v < at.size(); ++v) {
-        const bool inside = role[v] == Stratum::interior;
-        complex.add_vertex({at[v], role[v], inside ? -1 : static_cast<int>(owner[v]), wanted[v], needle[v]});
-    }
-    for (std::size_t t = 0; t < cells.size(); ++t)
-        complex.add_tet(cells[t], region[t], 0.0);
-    for (std::size_t k = 0; k < sheet.size(); ++k)
-        complex.add_facet(search::sorted(sheet[k][0], sheet[k][1], sheet[k][2]), sheet_patch[k]);
-    for (std::size_t k = 0; k < edges.size(); ++k)
-        complex.add_crease(search::sorted(edges[k][0], edges[k][1]), edge_curve[k]);
-
-    for (const int k : hopeless)
-        complex.rule_out(search::sorted(sheet[k][0], sheet[k][1], sheet[k][2]));
-
+/// A SearchOptions, for a surface of so many patches and curves.
+search::SearchOptions options_of(nb::handle asked, std::size_t patches, std::size_t curves) {
     search::SearchOptions options;
-    options.acute = acute;
-    options.margin = margin;
-    options.flip_surface = flip_surface;
-    options.split_surface = split_surface;
-    options.fixed = stays;
-    options.fixed_curves = curve_stays;
-    options.crease = crease_angle < 180.0 ? std::cos(crease_angle / 180.0 * std::numbers::pi) : -1.0;
-    options.passes = passes;
-    options.kicks = kicks;
-    options.seed = seed;
-    options.worth = worth;
-    options.evaluations = most_evaluations.value_or(options.evaluations);
-    options.most = most_tets.value_or(options.most);
-    if (volumes)
+    options.acute = attribute<bool>(asked, "acute");
+    options.margin = number<double>(
+        asked, "margin", [](double m) { return m >= 0.0 && m < 1.0 / 3.0; },
+        "must lie in 0..1/3, the value of the regular tet");
+    options.flip_surface = attribute<bool>(asked, "flip_surface");
+    options.split_surface = attribute<bool>(asked, "split_surface");
+    options.fixed = listed(asked, "fixed", patches);
+    options.fixed_curves = listed(asked, "fixed_curves", curves);
+    const double bend = number<double>(
+        asked, "crease_angle", [](double a) { return a > 0.0 && a <= 180.0; }, "must lie in 0..180 degrees");
+    options.crease = bend < 180.0 ? std::cos(bend / 180.0 * std::numbers::pi) : -1.0;
+    const char *positive = "may not be negative";
+    options.passes = number<int>(asked, "passes", [](int n) { return n >= 0; }, positive);
+    options.kicks = number<long>(asked, "kicks", [](long n) { return n >= 0; }, positive);
+    options.worth = number<double>(asked, "worth", [](double w) { return w >= 0.0; }, positive);
+    options.seed = attribute<std::uint64_t>(asked, "seed");
+    if (const auto most = maybe<long>(asked, "most_evaluations")) {
+        if (*most < 0)
+            refuse("most_evaluations is " + std::to_string(*most) + "; it may not be negative");
+        options.evaluations = *most;
+    }
+    options.most = maybe<std::size_t>(asked, "most_tets").value_or(options.most);
+    return options;
+}
+
+/// Facets that stay have points that do, and only of such a facet is it known that no tet at it can be good.
+void expect_fixed(const StratifiedMesh &mesh, const search::SearchOptions &options, const std::vector<int> &ruled_out) {
+    for (std::size_t k = 0; k < mesh.facets.size(); ++k)
+        for (const int v : mesh.facets[k])
+            if (options.fixed[mesh.facet_patch[k]] && !(mesh.stratum[v] == Stratum::corner && mesh.label[v] == -1))
+                refuse("fixed holds patch " + std::to_string(mesh.facet_patch[k]) + ", and point " + std::to_string(v) +
+                       " of it may move");
+    if ((options.flip_surface || options.split_surface) &&
+        std::any_of(ruled_out.begin(), ruled_out.end(), [&](int k) { return !options.fixed[mesh.facet_patch[k]]; }))
+        refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
+}
+
+search::TetComplex complex_of(const StratifiedMesh &mesh, const std::vector<int> &ruled_out) {
+    search::TetComplex complex;
+    const auto needle = search::needle_cosines(mesh.points, mesh.tets, mesh.region, mesh.creases);
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+        const bool inside = mesh.stratum[v] == Stratum::interior;
+        complex.add_vertex(
+            {mesh.points[v], mesh.stratum[v], inside ? -1 : static_cast<int>(mesh.label[v]), mesh.size[v], needle[v]});
+    }
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+        complex.add_tet(mesh.tets[t], mesh.region[t], 0.0);
+    for (std::size_t k = 0; k < mesh.facets.size(); ++k) {
+        const Facet &f = mesh.facets[k];
+        complex.add_facet(search::sorted(f[0], f[1], f[2]), mesh.facet_patch[k]);
+    }
+    for (std::size_t k = 0; k < mesh.creases.size(); ++k)
+        complex.add_crease(search::sorted(mesh.creases[k][0], mesh.creases[k][1]), mesh.crease_curve[k]);
+    for (const int k : ruled_out) {
+        const Facet &f = mesh.facets[k];
+        complex.rule_out(search::sorted(f[0], f[1], f[2]));
+    }
+    return complex;
+}
+
+nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle asked, const nb::object &progress) {
+    domain::SurfaceData on = surface_of(surface);
+    const std::size_t patches = pieces(on.patch).size(), curves = pieces(on.curve).size();
+    const StratifiedMesh mesh =
+        stratified_mesh_of(of, static_cast<std::int64_t>(patches), static_cast<std::int64_t>(curves));
+    expect_pieces(mesh, on);
+    expect_conforming(mesh.points, mesh.tets, mesh.facets, mesh.creases);
+    std::vector<int> hopeless;
+    if (const auto given = maybe<Array>(asked, "ruled_out"))
+        hopeless = numbers_of(*given, static_cast<std::int64_t>(mesh.facets.size()), "ruled_out");
+    search::SearchOptions options = options_of(asked, patches, curves);
+    expect_fixed(mesh, options, hopeless);
+    const double tolerance = number<double>(asked, "tolerance", [](double t) { return t > 0.0; }, "must be positive");
+    std::vector<double> local;
+    if (const auto given = maybe<Array>(asked, "local_tolerance"))
+        local = sizes_of(*given, on.points.size(), "local_tolerance");
+    if (const auto given = maybe<Array>(asked, "volumes"))
         options.volumes = sizes_of(
-            *volumes, static_cast<std::size_t>(*std::max_element(region.begin(), region.end())) + 1, "volumes");
-    search::CreaseRelease search(complex, {on, triangles, patch, segments, curve, may_go, flat, local}, tolerance,
-                                 0.125 * mean_size(wanted, role));
+            *given, static_cast<std::size_t>(*std::max_element(mesh.region.begin(), mesh.region.end())) + 1, "volumes");
+
+    search::TetComplex complex = complex_of(mesh, hopeless);
+    search::CreaseRelease search(
+        complex,
+        {on.points, on.triangles, on.patch, on.segments, on.curve, listed(asked, "loose", curves), on.flat, local},
+        tolerance, 0.125 * mean_size(mesh.size, mesh.stratum));
     search::SearchOutcome outcome;
     {
         nb::gil_scoped_release release;
@@ -309,17 +338,44 @@ nb::dict search_well_centered(const Array &points, const Array &tets, const Arra
 } // namespace
 
 void bind_search(nb::module_ &m) {
-    m.def("search_well_centered", &search_well_centered, nb::arg("points"), nb::arg("tets"), nb::arg("regions"),
-          nb::arg("stratum"), nb::arg("label"), nb::arg("size"), nb::arg("facets"), nb::arg("facet_patch"),
-          nb::arg("creases"), nb::arg("crease_curve"), nb::arg("surface_points"), nb::arg("surface_triangles"),
-          nb::arg("surface_patch"), nb::arg("surface_segments"), nb::arg("surface_curve"), nb::kw_only(),
-          nb::arg("tolerance"), nb::arg("acute"), nb::arg("margin"), nb::arg("flip_surface"), nb::arg("split_surface"),
-          nb::arg("passes"), nb::arg("kicks"), nb::arg("seed"), nb::arg("progress") = nb::none(),
-          nb::arg("ruled_out") = nb::none(), nb::arg("fixed") = nb::none(), nb::arg("fixed_curves") = nb::none(),
-          nb::arg("loose") = nb::none(), nb::arg("worth") = std::numeric_limits<double>::infinity(),
-          nb::arg("flat") = 0.0, nb::arg("volumes") = nb::none(), nb::arg("most_tets") = nb::none(),
-          nb::arg("local_tolerance") = nb::none(), nb::arg("most_evaluations") = nb::none(),
-          nb::arg("crease_angle") = 180.0);
+    m.def("search_well_centered", &search_well_centered, nb::arg("mesh"), nb::arg("surface"), nb::arg("options"),
+          nb::arg("progress") = nb::none(),
+          nb::sig("def search_well_centered(mesh: wct_plugin.core.domain.StratifiedMesh,"
+                  " surface: wct_plugin.core.domain.StratifiedSurface,"
+                  " options: wct_plugin.core.requests.SearchOptions,"
+                  " progress: collections.abc.Callable[[str, float, int], typing.Any] | None = None)"
+                  " -> wct_plugin.core.results.SearchResult"),
+          R"(Reconnect and move by local search until all tets contain their circumcenter, and facets are acute.
+
+Facets and surface stay within the tolerance of each other, or come nearer where they were farther apart. Planar patches
+and straight creases are kept exactly, unless they are smaller than 28 tolerances and 3 % of the surface's diagonal, and
+corners at them; other corners move by up to half the tolerance.
+
+Parameters
+----------
+mesh
+    Whose facets are the boundary and whatever lies on a patch inside.
+surface
+    To stay near. Its sides and corners do not matter.
+options
+    How. Rows that are ruled out go only with a surface that is neither flipped nor split, or with fixed patches. Of the
+    loose curves, those that are not kept exactly, nor bound a planar patch that is, become ordinary surface where tets
+    near them withstand an eighth of the kicks. Volumes are reached as far as tets and tolerance allow; planar patches
+    with curved rims keep their area so too.
+progress
+    ``progress(phase, done, bad)`` hears the done fraction of the phase and the number of tets that miss the goal; it
+    returns something false other than None to stop.
+
+Returns
+-------
+SearchResult
+    The same input and seed give the same bits.
+
+Raises
+------
+ValueError
+    Where an array has a wrong type, shape or index, an option a value that is not allowed, a tet is inverted or flat,
+    or a facet is none of a tet.)");
 }
 
 } // namespace wct::bindings

@@ -27,6 +27,7 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
     out.points = cloud.points;
     out.origin = points.origin();
     out.role = cloud.role;
+    out.size = cloud.size;
     out.label = cloud.label;
     for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
         if (complex.region[t] >= 0) {

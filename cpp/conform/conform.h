@@ -50,6 +50,7 @@ struct Conformed {
     std::vector<int> origin; // per point: the input's, -1 for new ones
     std::vector<Stratum> role;
     std::vector<int> label;
+    std::vector<double> size; // wanted edge length
     std::vector<Tet> tets;
     std::vector<int> region;
     sampling::SurfaceLabels surface;

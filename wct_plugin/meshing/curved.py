@@ -83,19 +83,8 @@ def _unturned(mesh: TetMesh, points: Floats) -> Floats:
 
 def _inside_moved(mesh: TetMesh, strata: Strata, goal: Literal["3wc", "cwc"], margin: float) -> TetMesh:
     """The mesh with vertices inside moved for the goal."""
-    points, _ = _core.move_vertices(
-        mesh.points,
-        mesh.tets,
-        np.where(strata.stratum > 0, 3, 0).astype(np.int8),
-        strata.label,
-        strata.triangles,
-        strata.patch,
-        strata.segments,
-        strata.curve,
-        goal=goal,
-        margin=margin,
-        effort=1,
-    )
+    pinned = replace(strata, stratum=np.where(strata.stratum > 0, 3, 0).astype(np.int8))
+    points, _ = _core.move_vertices(mesh.points, mesh.tets, pinned, goal=goal, margin=margin, effort=1)
     return replace(mesh, points=points)
 
 

@@ -1,13 +1,15 @@
 """Patches whose facets, and curves whose edges are given, to be held to the bit while everything else is made anew."""
 
+from dataclasses import replace
 from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.core.domain import StratifiedMesh
+from wct_plugin.core.requests import HeldFacets
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.meshing.reference import Reference
-from wct_plugin.meshing.search_mesh import SearchMesh
 from wct_plugin.types import Bools, Floats, Ints
 
 
@@ -66,25 +68,32 @@ class HeldSurface(NamedTuple):
             np.union1d(self.curves, other.curves),
         )
 
-    def pinned(self, start: SearchMesh) -> SearchMesh:
+    def pinned(self, start: StratifiedMesh) -> StratifiedMesh:
         """The mesh, in which nothing moves the points that are held."""
-        both = np.vstack([self.points, start["points"]])
+        both = np.vstack([self.points, start.points])
         _, first, place = np.unique(both, axis=0, return_index=True, return_inverse=True)
         stays = first[place.reshape(-1)[len(self.points) :]] < len(self.points)
-        return {
-            **start,
-            "stratum": np.where(stays, 3, start["stratum"]).astype(np.int8),
-            "label": np.where(stays, -1, start["label"]),
-        }
+        return replace(
+            start,
+            stratum=np.where(stays, 3, start.stratum).astype(np.int8),
+            label=np.where(stays, -1, start.label),
+        )
 
-    def is_in(self, start: SearchMesh, patches: Ints) -> bool:
+    @property
+    def request(self) -> HeldFacets:
+        """What the core is asked to hold."""
+        return HeldFacets(
+            self.points, self.stratum.astype(np.int64), self.label, self.facets, self.patch, self.edges, self.curves
+        )
+
+    def is_in(self, start: StratifiedMesh, patches: Ints) -> bool:
         """Whether a mesh has, of these patches of its surface, all facets that are held, and no other."""
-        both = np.vstack([self.points, start["points"]])
+        both = np.vstack([self.points, start.points])
         place = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
         own, there = place[: len(self.points)], place[len(self.points) :]
         own_facets = np.sort(own[self.facets[np.isin(self.patch, patches)]], axis=1)
-        facets = np.sort(there[start["facets"][np.isin(start["facet_patch"], patches)]], axis=1)
-        own_edges, edges = (np.sort(cells, axis=1) for cells in (own[self.edges], there[start["creases"]]))
+        facets = np.sort(there[start.facets[np.isin(start.facet_patch, patches)]], axis=1)
+        own_edges, edges = (np.sort(cells, axis=1) for cells in (own[self.edges], there[start.creases]))
         found = len(facets) == len(own_facets) and (find_rows(facets, own_facets, len(both)) >= 0).all()
         return bool(found and (find_rows(edges, own_edges, len(both)) >= 0).all())
 

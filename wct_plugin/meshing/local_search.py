@@ -1,11 +1,13 @@
 """The local search, from a start that is given or resampled, and from others where it is stuck."""
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wct_plugin.core import _core
+from wct_plugin.core.domain import RegionMesh, StratifiedMesh
+from wct_plugin.core.requests import ResampleOptions, SearchOptions
+from wct_plugin.core.results import ResampleResult, SearchResult
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
 from wct_plugin.meshing.followed_surface import enclosed_volumes
@@ -15,17 +17,12 @@ from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.meshing.released_creases import without
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
-from wct_plugin.meshing.search_mesh import SearchMesh, from_search
 from wct_plugin.meshing.stitching import stitched
 from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.work_limit import WorkLimit
 from wct_plugin.obstructions import fixed_facets
 from wct_plugin.types import Floats, Ints
-
-if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin.core._core import SearchedArrays
-
 
 #: Sweeps and tries at effort 1.
 _PASSES = 12
@@ -75,42 +72,35 @@ class LocalSearch:
         return _WORTH["keep" if self.held is not None else self.boundary] * self.effort
 
     def run(
-        self, start: SearchMesh, on: Reference, tolerance: Tolerance, worth: float = np.inf, part: float = 1.0
-    ) -> "SearchedArrays":
+        self, start: StratifiedMesh, on: Reference, tolerance: Tolerance, worth: float = np.inf, part: float = 1.0
+    ) -> SearchResult:
         """Search within the tolerance of the surface, for at most this ``part`` of the work that is left."""
-        fixed = self.boundary == "fixed"
-        rows = np.flatnonzero(np.isin(start["facet_patch"], self.fixed))
-        sides = on.sides[start["facet_patch"][rows]]
-        ruled_out = fixed_facets.ruled_out(start["points"], start["facets"][rows], sides, acute=self.acute)
-        found: SearchedArrays = _core.search_well_centered(
-            **start,
-            ruled_out=rows[ruled_out],
-            fixed=self.fixed,
-            fixed_curves=None if self.held is None else self.held.all_curves(on),
-            loose=self._loose(on) if self.boundary == "move" else None,
-            worth=worth,
-            flat=on.flat,
-            volumes=_volumes(on) if self.boundary == "move" else None,
-            most_tets=self.limit.most,
-            most_evaluations=int(part * self.work.left),
-            crease_angle=self.crease_angle,
-            surface_points=on.points,
-            surface_triangles=on.strata.triangles,
-            surface_patch=on.strata.patch,
-            surface_segments=on.strata.segments,
-            surface_curve=on.strata.curve,
+        flips, moves = self.boundary != "fixed", self.boundary == "move"
+        rows = np.flatnonzero(np.isin(start.facet_patch, self.fixed))
+        sides = on.sides[start.facet_patch[rows]]
+        ruled_out = fixed_facets.ruled_out(start.points, start.facets[rows], sides, acute=self.acute)
+        options = SearchOptions(
             tolerance=tolerance.most,
             local_tolerance=tolerance.local,
             acute=self.acute,
             margin=self.margin,
-            flip_surface=not fixed,
-            split_surface=not fixed,
+            flip_surface=flips,
+            split_surface=flips,
             passes=_PASSES,
             kicks=_KICKS * self.effort,
             seed=self.seed,
-            progress=self.listen.search,
+            crease_angle=self.crease_angle,
+            ruled_out=rows[ruled_out],
+            fixed=self.fixed,
+            fixed_curves=None if self.held is None else self.held.all_curves(on),
+            loose=self._loose(on) if moves else None,
+            volumes=_volumes(on) if moves else None,
+            worth=worth,
+            most_tets=self.limit.most,
+            most_evaluations=int(part * self.work.left),
         )
-        self.work.add_search(found["evaluations"], stuck=len(found["stuck"]))
+        found = _core.search_well_centered(start, on.surface, options, self.listen.search)
+        self.work.add_search(found.evaluations, stuck=len(found.stuck))
         return found
 
     def resampled(
@@ -121,114 +111,102 @@ class LocalSearch:
         finer: ShorterEdges | None = None,
         restart: PartialRestart | None = None,
         attempt: int = 0,
-    ) -> SearchMesh | None:
+    ) -> StratifiedMesh | None:
         """The relaxed lattice start, put into what stays of a mesh; None where it does not represent the domain.
 
         None too where it is stopped, as what is made until then is no start, and where it has too many tets.
         """
         if self.listen.stopped:
             return None
-        held = self.held
+        finer = finer or ShorterEdges.nowhere()
         found = _core.resample(
-            on.points,
-            on.strata.triangles,
-            on.strata.patch,
-            on.strata.segments,
-            on.strata.curve,
-            on.corners,
-            on.sides,
-            self.mesh.points,
-            self.mesh.tets,
-            np.searchsorted(on.regions, self.mesh.regions),
-            tolerance.most,
-            local_tolerance=tolerance.local,
-            size=lengths.inside,
-            surface_size=lengths.surface,
-            folds=on.folds,
-            flat=on.flat,
-            finer_at=finer and finer.at,
-            finer_size=finer and finer.size,
-            kept_points=restart and restart.points,
-            kept_stratum=restart and restart.stratum,
-            kept_label=restart and restart.label,
-            anew_at=restart and restart.at,
-            anew_radius=restart and restart.radius,
-            held_points=held and held.points,
-            held_stratum=held and held.stratum.astype(np.int64),
-            held_label=held and held.label,
-            held_facets=held and held.facets,
-            held_patch=held and held.patch,
-            held_edges=held and held.edges,
-            held_curves=held and held.curves,
-            cosines=self.acute,
-            seed=self.seed + 1 + attempt,
+            on.surface,
+            RegionMesh(self.mesh.points, self.mesh.tets, np.searchsorted(on.regions, self.mesh.regions)),
+            ResampleOptions(
+                tolerance=tolerance.most,
+                local_tolerance=tolerance.local,
+                size=lengths.inside,
+                surface_size=lengths.surface,
+                finer_at=finer.at,
+                finer_size=finer.size,
+                cosines=self.acute,
+                seed=self.seed + 1 + attempt,
+            ),
+            kept=restart and restart.request,
+            held=self.held and self.held.request,
             progress=self.listen.resample,
             expected=self.limit.expect,
         )
-        if self.listen.stopped or not self.limit.takes(len(found["tets"])):
+        if self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
             return None
-        self.work.add_start(len(found["tets"]))
-        stratum = found["stratum"]
-        stays = found["held"] >= 0
-        pinned = ((stratum == 3) & np.isin(found["label"], self.mesh.nodes.vertices)) | stays
-        start: SearchMesh = {
-            "points": found["points"],
-            "tets": found["tets"],
-            "regions": found["region"],
-            "stratum": np.where(stays, 3, stratum).astype(np.int8),
-            "label": np.where(pinned, -1, found["label"]),
-            "size": found["size"],
-            "facets": found["facets"],
-            "facet_patch": found["facet_patch"],
-            "creases": found["creases"],
-            "crease_curve": found["crease_curve"],
-        }
+        self.work.add_start(len(found.mesh.tets))
+        start = self._pinned(found)
         if restart is not None:
-            again = stitched(start, found["lost"], restart.old)
-            if again is None or not self.limit.takes(len(again["tets"])):
-                return None
-            if held is None:
-                return again
-            return held.pinned(again) if held.is_in(again, held.fixed) else None
-        touching = found["pinched"]  # allowed at corners where sheets of the reference itself touch
-        if not found["intact"] or (stratum[touching] < 3).any():
+            return self._stitched(start, found, restart)
+        if not self._represents_domain(found, on):
             return None
-        if len(touching):
-            own_pinches = pinched(on.strata.triangles, len(on.points))
-            if not own_pinches[found["label"][touching]].all():
-                return None
-        return start if held is None or held.is_in(start, np.unique(held.patch)) else None
+        return start if self.held is None or self.held.is_in(start, np.unique(self.held.patch)) else None
+
+    def _pinned(self, found: ResampleResult) -> StratifiedMesh:
+        """What was resampled, in which points that are held and tagged vertices stay where they are."""
+        mesh, stays = found.mesh, found.held >= 0
+        pinned = ((mesh.stratum == 3) & np.isin(mesh.label, self.mesh.nodes.vertices)) | stays
+        return replace(
+            mesh,
+            stratum=np.where(stays, 3, mesh.stratum).astype(np.int8),
+            label=np.where(pinned, -1, mesh.label),
+        )
+
+    def _stitched(self, start: StratifiedMesh, found: ResampleResult, restart: PartialRestart) -> StratifiedMesh | None:
+        """The start put into the tets that stay; None where that does not represent the domain, or has too many."""
+        again = stitched(start, found.lost, restart.old)
+        if again is None or not self.limit.takes(len(again.tets)):
+            return None
+        if self.held is None:
+            return again
+        return self.held.pinned(again) if self.held.is_in(again, self.held.fixed) else None
+
+    @staticmethod
+    def _represents_domain(found: ResampleResult, on: Reference) -> bool:
+        """Whether it is intact, and pinched only at corners where sheets of the reference itself touch."""
+        mesh, touching = found.mesh, found.pinched
+        if not found.intact or (mesh.stratum[touching] < 3).any():
+            return False
+        if not len(touching):
+            return True
+        own_pinches = pinched(on.strata.triangles, len(on.points))
+        return bool(own_pinches[mesh.label[touching]].all())
 
     def run_finer(
-        self, start: SearchMesh, on: Reference, tolerance: Tolerance, lengths: Lengths
-    ) -> "list[SearchedArrays]":
+        self, start: StratifiedMesh, on: Reference, tolerance: Tolerance, lengths: Lengths
+    ) -> list[SearchResult]:
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
         Where much of the first is, its search goes on before that. Where the best is stuck in few places, the rest of
         it stays, and creases that it gave up stay so. What that may cost counts from here: where pairs of sides are to
         match, one such search follows another.
         """
-        self.work.begin_with(len(start["tets"]))
+        self.work.begin_with(len(start.tets))
         tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         while True:
             part = _PATIENT if self.worth < worth < np.inf else 1.0
             found = self.run(start, self._without(on, gone), tolerance, worth, part)
-            found["released"] = np.union1d(gone, found["released"])
+            found = replace(found, released=np.union1d(gone, found.released))
             tried.append(found)
-            if not len(found["stuck"]) or self.listen.stopped or worth == np.inf or not self.work.left:
+            if not len(found.stuck) or self.listen.stopped or worth == np.inf or not self.work.left:
                 return tried
             fewest = best(tried)
-            if len(tried) == 1 and len(fewest["stuck"]) > _FEW_STUCK * len(fewest["tets"]):
-                start, gone, worth = from_search(fewest), fewest["released"], _PATIENCE * self.worth
+            if len(tried) == 1 and len(fewest.stuck) > _FEW_STUCK * len(fewest.mesh.tets):
+                start, gone, worth = fewest.mesh, fewest.released, _PATIENCE * self.worth
                 continue
             worth = self.worth
             free = self._free(fewest)
             share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else _AT_INTERFACES
-            finer = finer.about(fewest["points"][free].mean(axis=1), share * fewest["size"][free].mean(axis=1))
+            finer = finer.about(fewest.mesh.points[free].mean(axis=1), share * fewest.mesh.size[free].mean(axis=1))
             again = None
             if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
-                gone = fewest["released"]
+                gone = fewest.released
                 again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:
                     gone = gone[:0]
@@ -236,7 +214,7 @@ class LocalSearch:
             if self.listen.stopped:
                 return tried
             if again is None:  # nothing else is left to try than more of the same
-                worth, again, gone = np.inf, from_search(fewest), fewest["released"]
+                worth, again, gone = np.inf, fewest.mesh, fewest.released
             start = again
 
     def _partial_restart(
@@ -245,11 +223,11 @@ class LocalSearch:
         tolerance: Tolerance,
         lengths: Lengths,
         finer: ShorterEdges,
-        tried: "list[SearchedArrays]",
-    ) -> SearchMesh | None:
+        tried: list[SearchResult],
+    ) -> StratifiedMesh | None:
         """A partial restart: the best that was found, made anew round its stuck tets."""
         fewest = best(tried)
-        vain = len(tried) - 1 - [one["bad"] for one in tried].index(fewest["bad"])
+        vain = len(tried) - 1 - [one.bad for one in tried].index(fewest.bad)
         for wider in range(_PARTIAL_RESTARTS):
             restart = PartialRestart.of(fewest, vain + wider, held=self.held is not None)
             start = restart and self.resampled(on, tolerance, lengths, finer, restart, len(tried))
@@ -257,12 +235,12 @@ class LocalSearch:
                 return start
         return None
 
-    def _free(self, found: "SearchedArrays") -> Ints:
+    def _free(self, found: SearchResult) -> Ints:
         """(s, 4) the stuck tets that shorter edges may help, as they do not beside facets that are held."""
-        stuck = found["tets"][found["stuck"]]
+        stuck = found.mesh.tets[found.stuck]
         if self.held is None:
             return stuck
-        pinned = (found["stratum"] == 3) & (found["label"] < 0)
+        pinned = (found.mesh.stratum == 3) & (found.mesh.label < 0)
         free: Ints = stuck[~pinned[stuck].any(axis=1)]
         return free
 
@@ -281,11 +259,11 @@ def _volumes(on: Reference) -> Floats | None:
     return enclosed if (enclosed > 0.0).all() else None
 
 
-def ranked(tried: "list[SearchedArrays]") -> "list[SearchedArrays]":
+def ranked(tried: list[SearchResult]) -> list[SearchResult]:
     """Those with the fewest bad tets first; of equals the last, from which others were tried."""
-    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (tried[k]["bad"], -k))]
+    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (tried[k].bad, -k))]
 
 
-def best(tried: "list[SearchedArrays]") -> "SearchedArrays":
+def best(tried: list[SearchResult]) -> SearchResult:
     """The first of :func:`ranked`."""
     return ranked(tried)[0]

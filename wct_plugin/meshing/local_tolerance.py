@@ -40,18 +40,7 @@ def find_tolerance(on: Reference, most: float, apart: float = 0.0) -> Tolerance:
 
     ``apart``: how far the mesh that came in is from the surface.
     """
-    strata = on.strata
-    local = _core.local_tolerance(
-        on.points,
-        strata.triangles,
-        strata.patch,
-        strata.segments,
-        strata.curve,
-        on.sides,
-        tolerance=most,
-        floor=max(_FLOOR * most, apart),
-        flat=on.flat,
-    )
+    local = _core.local_tolerance(on.surface, tolerance=most, floor=max(_FLOOR * most, apart))
     return Tolerance(most, local if (local < most).any() else None)
 
 

@@ -5,12 +5,16 @@ gives its points to all that it is a translate of. With these held, a first mesh
 translated, are the slaves', and with both held a second mesh is made.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
+from wct_plugin.core.domain import StratifiedMesh
+from wct_plugin.core.results import SearchResult
+from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.strata import Strata
@@ -21,12 +25,8 @@ from wct_plugin.meshing.local_search import LocalSearch, best
 from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.reference import Reference, own_boundary
 from wct_plugin.meshing.restart import PartialRestart
-from wct_plugin.meshing.search_mesh import SearchMesh, from_search
 from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.types import Floats, Ints
-
-if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin.core._core import SearchedArrays
 
 #: As near are points that are meant to be one, in diagonals.
 _NEAR = 1e-9
@@ -75,6 +75,11 @@ class _Link(NamedTuple):
 
 class Unmatched(Exception):  # noqa: N818 - no error: it says why pairs cannot be kept
     """Pairs cannot be made to match again."""
+
+
+def warn_unmatched(why: Unmatched) -> None:
+    """Say that pairs are lost, and why."""
+    warnings.warn(f"periodic pairs of facets cannot be made to match: {why}", WctWarning, stacklevel=3)
 
 
 def marked(mesh: TetMesh, pairs: Sequence[Pair], crease_angle: float) -> tuple[TetMesh, Reference]:
@@ -142,7 +147,7 @@ class PeriodicSurface:
         bounding = rims(self.own, np.array([copy.root for copy in self.patches.values()], dtype=np.int64))
         return any(self.curves[c].root != c for c in bounding.tolist() if c in self.curves)
 
-    def matched(self, search: LocalSearch, plain: "SearchedArrays", tolerance: Tolerance) -> "list[SearchedArrays]":
+    def matched(self, search: LocalSearch, plain: SearchResult, tolerance: Tolerance) -> list[SearchResult]:
         """What the search of the surface, resampled with matching pairs, leads to.
 
         ``plain``: where the search led without, from which come the curves that pairs share, and the sizes. Raises
@@ -150,8 +155,8 @@ class PeriodicSurface:
         """
         from scipy.spatial import cKDTree  # here: importing a filter to see its options should not take it
 
-        lengths = Lengths(plain["size"][cKDTree(plain["points"]).query(self.mesh.points)[1]])
-        tried: list[SearchedArrays] = []
+        lengths = Lengths(plain.mesh.size[cKDTree(plain.mesh.points).query(self.mesh.points)[1]])
+        tried: list[SearchResult] = []
         for attempt in range(_ATTEMPTS):
             again = replace(search, seed=search.seed + attempt)
             try:
@@ -159,23 +164,23 @@ class PeriodicSurface:
             except Unmatched:
                 if attempt + 1 == _ATTEMPTS and not tried:
                     raise
-            if search.listen.stopped or (tried and not len(best(tried)["stuck"])):
+            if search.listen.stopped or (tried and not len(best(tried).stuck)):
                 break
         return tried
 
     def _matched_once(
-        self, search: LocalSearch, plain: "SearchedArrays", tolerance: Tolerance, lengths: Lengths, *, anew: bool
-    ) -> "list[SearchedArrays]":
+        self, search: LocalSearch, plain: SearchResult, tolerance: Tolerance, lengths: Lengths, *, anew: bool
+    ) -> list[SearchResult]:
         """From a first mesh, plain or made ``anew`` with the curves that are shared, to others with its facets."""
         on, first, found = self.own, search, plain
         if anew:
-            lines = self._lines(_Located.of(from_search(plain), on, search.held))
+            lines = self._lines(_Located.of(plain.mesh, on, search.held))
             first = _holding(search, lines, on)
             start = first.resampled(on, tolerance, lengths)
             if start is None:
                 raise Unmatched("no mesh was found with the curves that they share")
             found = best(first.run_finer(start, on, tolerance, lengths))
-        located = _Located.of(from_search(found), on, first.held)
+        located = _Located.of(found.mesh, on, first.held)
         taken = set() if search.held is None else set(search.held.patch.tolist())
         held = self._faces(located, self._lines(located), taken)
         second = _holding(search, held, on)
@@ -186,7 +191,7 @@ class PeriodicSurface:
             raise Unmatched("no mesh was found with facets that match")
         return second.run_finer(start, on, tolerance, lengths)
 
-    def _restart(self, found: "SearchedArrays", held: HeldSurface) -> PartialRestart:
+    def _restart(self, found: SearchResult, held: HeldSurface) -> PartialRestart:
         """What was found, to be made anew beside the patches that get other facets."""
         slaves = np.array([patch for patch, copy in self.patches.items() if copy.root != patch])
         corners = held.points[held.facets[np.isin(held.patch, slaves)]]
@@ -204,10 +209,10 @@ class PeriodicSurface:
         edges: list[Ints] = []
         count = 0
         for curve, copy in self.curves.items():
-            ends = found.mesh["creases"][found.mesh["crease_curve"] == copy.root]
+            ends = found.mesh.creases[found.mesh.crease_curve == copy.root]
             used, local = np.unique(ends, return_inverse=True)
             corner = found.stratum[used] == 3
-            at = found.mesh["points"][used] + copy.offset
+            at = found.mesh.points[used] + copy.offset
             vertices = copy.vertex[found.label[used[corner]]]
             for row, vertex in zip(np.flatnonzero(corner).tolist(), vertices.tolist(), strict=True):
                 at[row] = self._corner(vertex)
@@ -239,11 +244,11 @@ class PeriodicSurface:
         for patch, copy in self.patches.items():
             if patch in taken:
                 continue
-            rows = np.flatnonzero(mesh["facet_patch"] == copy.root)
+            rows = np.flatnonzero(mesh.facet_patch == copy.root)
             facets = oriented[rows] if self._same_way(patch, copy) else oriented[rows][:, ::-1]
             used, local = np.unique(facets, return_inverse=True)
             inner = found.stratum[used] == 1
-            points = mesh["points"][used] + copy.offset
+            points = mesh.points[used] + copy.offset
             one = HeldSurface(
                 points,
                 found.stratum[used].astype(np.int8),
@@ -270,13 +275,13 @@ class PeriodicSurface:
 class _Located(NamedTuple):
     """A mesh, and what each point of its surface is there: also those that were pinned."""
 
-    mesh: SearchMesh
+    mesh: StratifiedMesh
     stratum: Ints
     label: Ints
 
     @classmethod
-    def of(cls, mesh: SearchMesh, on: Reference, held: HeldSurface | None) -> Self:
-        stratum, label = mesh["stratum"].astype(np.int64), mesh["label"].copy()
+    def of(cls, mesh: StratifiedMesh, on: Reference, held: HeldSurface | None) -> Self:
+        stratum, label = mesh.stratum.astype(np.int64), mesh.label.copy()
         corners = on.corners
         known = HeldSurface(
             on.points[corners], np.full(len(corners), 3, dtype=np.int8), corners, *([np.empty(0, dtype=np.int64)] * 3)
@@ -284,25 +289,25 @@ class _Located(NamedTuple):
         for source in (known, held):
             if source is None:
                 continue
-            both = np.vstack([source.points, mesh["points"]])
+            both = np.vstack([source.points, mesh.points])
             _, first, place = np.unique(both, axis=0, return_index=True, return_inverse=True)
             at = first[place.reshape(-1)[len(source.points) :]]
-            there = (at < len(source.points)) & (mesh["stratum"] == 3) & (mesh["label"] < 0)
+            there = (at < len(source.points)) & (mesh.stratum == 3) & (mesh.label < 0)
             stratum[there], label[there] = source.stratum[at[there]], source.label[at[there]]
         return cls(mesh, stratum, label)
 
     def oriented(self, on: Reference) -> Ints:
         """The facets, each running out of a tet of the region behind its patch."""
-        mesh, count = self.mesh, len(self.mesh["points"])
-        out = mesh["tets"][:, FACETS].reshape(-1, 3)
-        region = np.repeat(mesh["regions"], 4)
-        behind = on.sides[mesh["facet_patch"], 0]
+        mesh, count = self.mesh, len(self.mesh.points)
+        out = mesh.tets[:, FACETS].reshape(-1, 3)
+        region = np.repeat(mesh.regions, 4)
+        behind = on.sides[mesh.facet_patch, 0]
         rows = find_rows(
             np.column_stack([np.sort(out, axis=1), region + 1]),
-            np.column_stack([np.sort(mesh["facets"], axis=1), behind + 1]),
+            np.column_stack([np.sort(mesh.facets, axis=1), behind + 1]),
             max(count, len(on.regions) + 1),
         )
-        return np.where(rows[:, None] >= 0, out[rows], mesh["facets"])
+        return np.where(rows[:, None] >= 0, out[rows], mesh.facets)
 
 
 def _holding(search: LocalSearch, held: HeldSurface, on: Reference) -> LocalSearch:

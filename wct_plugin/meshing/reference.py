@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from wct_plugin.core.domain import StratifiedSurface
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import distinct_rows
 from wct_plugin.mesh.strata import Strata, find_strata, surface_strata, tagged_inside
@@ -35,6 +36,22 @@ class Reference:
     def corners(self) -> Ints:
         """Indices of the corners."""
         return np.flatnonzero(self.strata.stratum == 3)
+
+    @property
+    def surface(self) -> StratifiedSurface:
+        """What the core is to stay near."""
+        of = self.strata
+        return StratifiedSurface(
+            points=self.points,
+            triangles=of.triangles,
+            patch=of.patch,
+            segments=of.segments,
+            curve=of.curve,
+            sides=self.sides,
+            corners=self.corners,
+            folds=self.folds,
+            flat=self.flat,
+        )
 
     @property
     def diagonal(self) -> float:

@@ -1,13 +1,12 @@
 """Where and how the next start of a search differs: shorter edges round stuck tets, or only a part made anew."""
 
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from wct_plugin.core.requests import KeptPoints
+from wct_plugin.core.results import SearchResult
 from wct_plugin.types import Bools, Floats, Ints
-
-if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin.core._core import SearchedArrays
 
 
 def middles(corners: Floats) -> tuple[Floats, Floats]:
@@ -50,34 +49,40 @@ class PartialRestart(NamedTuple):
     label: Ints
     at: Floats
     radius: Floats
-    old: "SearchedArrays"  #: where they are from
+    old: SearchResult  #: where they are from
 
     @classmethod
-    def of(cls, found: "SearchedArrays", vain: int, *, held: bool = False) -> Self | None:
+    def of(cls, found: SearchResult, vain: int, *, held: bool = False) -> Self | None:
         """A search's result, to be made anew where it is stuck; None where too much of it is.
 
         ``vain``: how often that has brought nothing. ``held``: whether facets of the surface are.
         """
-        tets, stuck = found["tets"], found["stuck"]
-        if len(stuck) > (_FEW_HELD if held else _FEW) * len(tets):
+        mesh, stuck = found.mesh, found.stuck
+        if len(stuck) > (_FEW_HELD if held else _FEW) * len(mesh.tets):
             return None
-        at, edge = middles(found["points"][tets[stuck]])
+        at, edge = middles(mesh.points[mesh.tets[stuck]])
         return cls.around(found, at, _GROWTH**vain * edge)
 
     @classmethod
-    def around(cls, found: "SearchedArrays", at: Floats, edge: Floats) -> Self:
+    def around(cls, found: SearchResult, at: Floats, edge: Floats) -> Self:
         """A search's result, to be made anew round some places ``at`` (z, 3), where edges are so long (z,)."""
-        region = np.empty(len(found["points"]), dtype=np.int64)
-        region[found["tets"].ravel()] = np.repeat(found["regions"], 4)
-        keep = (found["stratum"] < 3) | (found["label"] >= 0)  # but for corners that do not move anyway
+        mesh = found.mesh
+        region = np.empty(len(mesh.points), dtype=np.int64)
+        region[mesh.tets.ravel()] = np.repeat(mesh.regions, 4)
+        keep = (mesh.stratum < 3) | (mesh.label >= 0)  # but for corners that do not move anyway
         return cls(
-            found["points"][keep],
-            found["stratum"][keep].astype(np.int64),
-            np.where(found["stratum"] > 0, found["label"], region)[keep],
+            mesh.points[keep],
+            mesh.stratum[keep].astype(np.int64),
+            np.where(mesh.stratum > 0, mesh.label, region)[keep],
             at,
             _RADIUS * edge,
             found,
         )
+
+    @property
+    def request(self) -> KeptPoints:
+        """What the core is asked to keep."""
+        return KeptPoints(self.points, self.stratum, self.label, self.at, self.radius)
 
     def without(self, points: Bools) -> Self:
         """But for some of the points, given as a mask (k,)."""

@@ -2,12 +2,13 @@
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.core.domain import StratifiedMesh
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows, masks
@@ -15,39 +16,14 @@ from wct_plugin.mesh.strata import Strata
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats, Ints
 
-if TYPE_CHECKING:  # the stubs' names are not in the module
-    from wct_plugin.core._core import ConformedArrays, SearchedArrays
-    from wct_plugin.meshing.search_mesh import SearchMesh
+
+def in_strata_of_mesh(found: StratifiedMesh, on: Reference) -> StratifiedMesh:
+    """What the core made of the domain of a reference, in the strata of the mesh that came in, with its region tags."""
+    return replace(found, regions=on.regions[found.regions], facet_patch=on.carried[found.facet_patch])
 
 
-@dataclass(frozen=True, eq=False)
-class Resampled:
-    """A new mesh of an old domain, in the old one's strata: patch ids and curve ids are those of :class:`Strata`."""
-
-    points: Floats  #: (n, 3)
-    tets: Ints  #: (m, 4)
-    regions: Ints  #: (m,) region tags
-    facets: Ints  #: (k, 3) surface facets
-    facet_patch: Ints  #: (k,)
-    creases: Ints  #: (c, 2) crease edges
-    crease_curve: Ints  #: (c,)
-
-
-def resampled(found: "SearchedArrays | ConformedArrays | SearchMesh", on: Reference) -> Resampled:
-    """What the core made of the domain of a reference, in the strata of the mesh that came in."""
-    return Resampled(
-        found["points"],
-        found["tets"],
-        on.regions[found["regions"]],
-        found["facets"],
-        on.carried[found["facet_patch"]],
-        found["creases"],
-        found["crease_curve"],
-    )
-
-
-def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
-    """Give the new mesh the old one's tagged facets and edges, named sets, names and data.
+def carry(old: TetMesh, strata: Strata, new: StratifiedMesh) -> TetMesh:
+    """Give the ``new`` mesh, as of :func:`in_strata_of_mesh`, the old one's facets and edges, sets, names and data.
 
     A tagged patch or curve of the surface keeps its tags and sets; tagged vertices go to the new point in their place.
     Point data are interpolated linearly in the old tets. Cell data that are constant on each region stay so, and sets
@@ -96,7 +72,7 @@ def carry(old: TetMesh, strata: Strata, new: Resampled) -> TetMesh:
     )
 
 
-def _of_tets(old: TetMesh, new: Resampled) -> tuple[dict[str, NDArray[Any]], dict[str, Ints]]:
+def _of_tets(old: TetMesh, new: StratifiedMesh) -> tuple[dict[str, NDArray[Any]], dict[str, Ints]]:
     """Cell data and tet sets of the new mesh."""
     count = len(old.tets)
     inside = masks(old.tet_sets, count)
@@ -187,7 +163,7 @@ def _cells_by_label(tagged: Cells, cells: Ints, label: Ints, new_cells: Ints, ne
     )
 
 
-def _nodes(old: TetMesh, new: Resampled) -> Cells:
+def _nodes(old: TetMesh, new: StratifiedMesh) -> Cells:
     if not len(old.nodes):
         return old.nodes
     from scipy.spatial import cKDTree

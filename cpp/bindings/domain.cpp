@@ -1,0 +1,89 @@
+#include "bindings/domain.h"
+
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace nb = nanobind;
+
+namespace wct::bindings {
+
+StratifiedMesh stratified_mesh_of(nb::handle mesh, std::int64_t patches, std::int64_t curves) {
+    StratifiedMesh out;
+    domain::InputMesh inside = region_mesh_of(mesh);
+    out.points = std::move(inside.points);
+    out.tets = std::move(inside.tets);
+    out.region = std::move(inside.region);
+    const std::size_t count = out.points.size();
+    out.stratum = strata_of(attribute<Array>(mesh, "stratum"), count);
+    out.label = labels_of(attribute<Array>(mesh, "label"), count, "label");
+    out.size = sizes_of(attribute<Array>(mesh, "size"), count, "size");
+    out.facets = cells_of<3>(attribute<Array>(mesh, "facets"), count, "facets");
+    out.facet_patch = numbers_of(attribute<Array>(mesh, "facet_patch"), out.facets.size(), patches, "facet_patch");
+    out.creases = cells_of<2>(attribute<Array>(mesh, "creases"), count, "creases");
+    out.crease_curve = numbers_of(attribute<Array>(mesh, "crease_curve"), out.creases.size(), curves, "crease_curve");
+    return out;
+}
+
+domain::InputMesh region_mesh_of(nb::handle mesh) {
+    domain::InputMesh out;
+    out.points = points_of(attribute<Array>(mesh, "points"));
+    out.tets = cells_of<4>(attribute<Array>(mesh, "tets"), out.points.size(), "tets");
+    out.region =
+        numbers_of(attribute<Array>(mesh, "regions"), out.tets.size(), std::numeric_limits<int>::max(), "regions");
+    return out;
+}
+
+namespace {
+
+void add_sides(const Array &sides, domain::SurfaceData &surface) {
+    const auto values = rows<std::int64_t>(sides, 2, "sides");
+    for (std::size_t i = 0; i < values.size(); i += 2)
+        surface.sides.push_back({static_cast<int>(values[i]), static_cast<int>(values[i + 1])});
+}
+
+} // namespace
+
+domain::SurfaceData surface_of(nb::handle surface) {
+    domain::SurfaceData out;
+    out.points = points_of(attribute<Array>(surface, "points"), "points of the surface");
+    const std::size_t count = out.points.size();
+    out.triangles = cells_of<3>(attribute<Array>(surface, "triangles"), count, "triangles");
+    add_sides(attribute<Array>(surface, "sides"), out);
+    const std::size_t patches = out.sides.empty() ? out.triangles.size() : out.sides.size();
+    out.patch = numbers_of(attribute<Array>(surface, "patch"), out.triangles.size(), static_cast<std::int64_t>(patches),
+                           "patch");
+    out.segments = cells_of<2>(attribute<Array>(surface, "segments"), count, "segments");
+    out.curve = curves_of(attribute<Array>(surface, "curve"), out.segments.size(), out.triangles.size(), "curve");
+    out.corners = numbers_of(attribute<Array>(surface, "corners"), static_cast<std::int64_t>(count), "corners");
+    out.folds = cells_of<2>(attribute<Array>(surface, "folds"), count, "folds");
+    out.flat = attribute<double>(surface, "flat");
+    if (!(out.flat >= 0.0))
+        refuse("flat is " + std::to_string(out.flat) + "; it may not be negative");
+    return out;
+}
+
+domain::SurfaceData surface_of_facets(nb::handle mesh, const std::vector<Vec3> &points, const Array &sides) {
+    domain::SurfaceData out;
+    out.points = points;
+    out.triangles = cells_of<3>(attribute<Array>(mesh, "facets"), points.size(), "facets");
+    add_sides(sides, out);
+    out.patch = numbers_of(attribute<Array>(mesh, "facet_patch"), out.triangles.size(),
+                           static_cast<std::int64_t>(out.sides.size()), "facet_patch");
+    return out;
+}
+
+domain::SurfaceData plain_surface_of(nb::handle triangles) {
+    domain::SurfaceData out;
+    out.points = points_of(attribute<Array>(triangles, "points"), "points of the triangles");
+    out.triangles = cells_of<3>(attribute<Array>(triangles, "triangles"), out.points.size(), "triangles");
+    out.patch.assign(out.triangles.size(), 0);
+    out.sides = {{0, -1}};
+    return out;
+}
+
+std::vector<double> wanted_of(const std::optional<Array> &size, const domain::InputMesh &mesh) {
+    return size ? sizes_of(*size, mesh.points.size(), "size") : std::vector<double>{};
+}
+
+} // namespace wct::bindings
