@@ -172,6 +172,14 @@ inline nanobind::object array_of(const std::vector<Vec3> &points) {
     });
 }
 
+/// A new (n,) array of the numbers of strata.
+inline nanobind::object array_of(const std::vector<Stratum> &strata) {
+    return array<std::int8_t>(strata.size(), 0, [&](std::int8_t *to) {
+        for (const Stratum stratum : strata)
+            *to++ = static_cast<std::int8_t>(stratum);
+    });
+}
+
 /// Ask a Python listener whether to go on; one that says nothing, and none at all, goes on. Takes the GIL.
 template <class... Arguments> bool goes_on(const nanobind::object &progress, const Arguments &...arguments) {
     nanobind::gil_scoped_acquire acquire;

@@ -17,23 +17,12 @@ namespace wct::bindings {
 namespace {
 
 nb::object to_python(const conform::Conformed &found) {
-    nb::dict mesh;
-    mesh["points"] = array_of(found.points);
-    mesh["tets"] = array_of<std::int64_t>(found.tets);
-    mesh["regions"] = array_of<std::int64_t>(found.region);
-    mesh["stratum"] = array<std::int8_t>(found.role.size(), 0, [&](std::int8_t *to) {
-        for (const Stratum role : found.role)
-            *to++ = static_cast<std::int8_t>(role);
-    });
-    mesh["label"] = array<std::int64_t>(found.role.size(), 0, [&](std::int64_t *to) {
-        for (std::size_t i = 0; i < found.role.size(); ++i) // a corner's is its own point, an inner point's its region
-            *to++ = found.role[i] == Stratum::patch || found.role[i] == Stratum::crease ? found.label[i] : -1;
-    });
-    mesh["size"] = array_of<double>(found.size);
-    mesh["facets"] = array_of<std::int64_t>(found.surface.facets);
-    mesh["facet_patch"] = array_of<std::int64_t>(found.surface.patch);
-    mesh["creases"] = array_of<std::int64_t>(found.surface.creases);
-    mesh["crease_curve"] = array_of<std::int64_t>(found.surface.curve);
+    search::SearchMesh mesh{
+        found.points,         found.role,          found.label,           found.size,         found.tets, found.region,
+        found.surface.facets, found.surface.patch, found.surface.creases, found.surface.curve};
+    for (std::size_t i = 0; i < mesh.label.size(); ++i) // a corner's is its own point, an inner point's its region
+        if (mesh.stratum[i] != Stratum::patch && mesh.stratum[i] != Stratum::crease)
+            mesh.label[i] = -1;
     nb::dict faults;
     faults["creases"] = found.faults.creases;
     faults["surface"] = found.faults.surface;
@@ -42,7 +31,7 @@ nb::object to_python(const conform::Conformed &found) {
     faults["edges"] = found.faults.edges;
     faults["ties"] = found.faults.ties;
     nb::dict out;
-    out["mesh"] = made("wct_plugin.core.domain", "StratifiedMesh", mesh);
+    out["mesh"] = stratified_mesh_of(mesh);
     out["origin"] = array_of<std::int64_t>(found.origin);
     out["rounds"] = found.rounds;
     out["intact"] = found.intact;
@@ -53,7 +42,7 @@ nb::object to_python(const conform::Conformed &found) {
 
 nb::object conform(nb::handle of, const Array &sides, double tolerance, nb::handle asked, nb::handle given,
                    const nb::object &progress, unsigned threads) {
-    StratifiedMesh from = stratified_mesh_of(of, std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
+    search::SearchMesh from = search_mesh_of(of, std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
     domain::SurfaceData surface = surface_of_facets(of, from.points, sides);
     surface.segments = from.creases;
     surface.curve = numbers_of(attribute<Array>(of, "crease_curve"), surface.segments.size(),

@@ -8,21 +8,40 @@ namespace nb = nanobind;
 
 namespace wct::bindings {
 
-StratifiedMesh stratified_mesh_of(nb::handle mesh, std::int64_t patches, std::int64_t curves) {
-    StratifiedMesh out;
+search::SearchMesh search_mesh_of(nb::handle mesh, std::int64_t patches, std::int64_t curves) {
+    search::SearchMesh out;
     domain::InputMesh inside = region_mesh_of(mesh);
     out.points = std::move(inside.points);
     out.tets = std::move(inside.tets);
     out.region = std::move(inside.region);
     const std::size_t count = out.points.size();
     out.stratum = strata_of(attribute<Array>(mesh, "stratum"), count);
-    out.label = labels_of(attribute<Array>(mesh, "label"), count, "label");
+    const auto label = labels_of(attribute<Array>(mesh, "label"), count, "label");
+    for (std::size_t v = 0; v < count; ++v)
+        if (label[v] < std::numeric_limits<int>::min() || label[v] > std::numeric_limits<int>::max())
+            refuse("label of point " + std::to_string(v) + " is " + std::to_string(label[v]));
+    out.label.assign(label.begin(), label.end());
     out.size = sizes_of(attribute<Array>(mesh, "size"), count, "size");
     out.facets = cells_of<3>(attribute<Array>(mesh, "facets"), count, "facets");
     out.facet_patch = numbers_of(attribute<Array>(mesh, "facet_patch"), out.facets.size(), patches, "facet_patch");
     out.creases = cells_of<2>(attribute<Array>(mesh, "creases"), count, "creases");
     out.crease_curve = numbers_of(attribute<Array>(mesh, "crease_curve"), out.creases.size(), curves, "crease_curve");
     return out;
+}
+
+nb::object stratified_mesh_of(const search::SearchMesh &mesh) {
+    nb::dict out;
+    out["points"] = array_of(mesh.points);
+    out["tets"] = array_of<std::int64_t>(mesh.tets);
+    out["regions"] = array_of<std::int64_t>(mesh.region);
+    out["stratum"] = array_of(mesh.stratum);
+    out["label"] = array_of<std::int64_t>(mesh.label);
+    out["size"] = array_of<double>(mesh.size);
+    out["facets"] = array_of<std::int64_t>(mesh.facets);
+    out["facet_patch"] = array_of<std::int64_t>(mesh.facet_patch);
+    out["creases"] = array_of<std::int64_t>(mesh.creases);
+    out["crease_curve"] = array_of<std::int64_t>(mesh.crease_curve);
+    return made("wct_plugin.core.domain", "StratifiedMesh", out);
 }
 
 domain::InputMesh region_mesh_of(nb::handle mesh) {

@@ -4,6 +4,7 @@
 
 #include "domain/reference.h"
 #include "domain/region_map.h"
+#include "search/search_mesh.h"
 
 #include <cstdint>
 #include <optional>
@@ -13,22 +14,11 @@ namespace wct::bindings {
 
 /// Meshes and surfaces, from and to the objects of wct_plugin.core.domain.
 
-/// Tets in the strata of a surface, as a StratifiedMesh has them.
-struct StratifiedMesh {
-    std::vector<Vec3> points;
-    std::vector<Tet> tets;
-    std::vector<int> region;
-    std::vector<Stratum> stratum;
-    std::vector<std::int64_t> label;
-    std::vector<double> size;
-    std::vector<Facet> facets;
-    std::vector<int> facet_patch;
-    std::vector<Edge> creases;
-    std::vector<int> crease_curve;
-};
+/// A StratifiedMesh; there are so many numbers for its patches and curves.
+search::SearchMesh search_mesh_of(nanobind::handle mesh, std::int64_t patches, std::int64_t curves);
 
-/// The fields of a StratifiedMesh; its patches and curves are checked against numbers that may be.
-StratifiedMesh stratified_mesh_of(nanobind::handle mesh, std::int64_t patches, std::int64_t curves);
+/// The same the other way.
+nanobind::object stratified_mesh_of(const search::SearchMesh &mesh);
 
 /// The points, tets and regions of a RegionMesh, or of a StratifiedMesh.
 domain::InputMesh region_mesh_of(nanobind::handle mesh);

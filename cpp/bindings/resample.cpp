@@ -3,6 +3,7 @@
 #include "bindings/workers.h"
 
 #include "sampling/resample.h"
+#include "sampling/start.h"
 #include "sampling/surface_labels.h"
 
 #include <nanobind/ndarray.h>
@@ -23,83 +24,19 @@ namespace wct::bindings {
 
 namespace {
 
-/// The tets inside, and the points that they have.
-struct Inside {
-    explicit Inside(const sampling::Resampled &result) : place(result.cloud.count(), -1) {
-        const auto &all = result.complex.all.tets;
-        std::vector<char> used(result.cloud.count(), 0);
-        for (std::size_t t = 0; t < all.size(); ++t)
-            if (result.complex.region[t] >= 0) {
-                tets.push_back(static_cast<int>(t));
-                for (const int v : all[t])
-                    used[v] = 1;
-            }
-        for (std::size_t i = 0; i < used.size(); ++i)
-            if (used[i]) {
-                place[i] = static_cast<std::int64_t>(points.size());
-                points.push_back(i);
-            }
-    }
-
-    /// The new numbers of these points.
-    nb::object numbers(const std::vector<int> &list) const {
-        return array<std::int64_t>(list.size(), 0, [&](std::int64_t *to) {
-            for (const int v : list)
-                *to++ = place[v];
-        });
-    }
-
-    /// These cells with the new numbers.
-    template <std::size_t corners> nb::object cells(const std::vector<std::array<std::int32_t, corners>> &list) const {
-        return array<std::int64_t>(list.size(), corners, [&](std::int64_t *to) {
-            for (const auto &cell : list)
-                for (const int v : cell)
-                    *to++ = place[v];
-        });
-    }
-
-    /// What `of` says of each point.
-    template <class T, class Of> nb::object per_point(const Of &of) const {
-        return array<T>(points.size(), 0, [&](T *to) {
-            for (const std::size_t i : points)
-                *to++ = static_cast<T>(of(i));
-        });
-    }
-
-    std::vector<int> tets;
-    std::vector<std::size_t> points;
-    std::vector<std::int64_t> place; // -1: not used
-};
-
-nb::object mesh_of(const sampling::Resampled &result, const sampling::SurfaceLabels &surface, const Inside &inside) {
-    const sampling::Cloud &cloud = result.cloud;
-    std::vector<Vec3> points;
-    for (const std::size_t i : inside.points)
-        points.push_back(cloud.points[i]);
-    std::vector<Tet> tets;
-    std::vector<int> region;
-    for (const int t : inside.tets) {
-        tets.push_back(result.complex.all.tets[t]);
-        region.push_back(result.complex.region[t]);
-    }
-    nb::dict out;
-    out["points"] = array_of(points);
-    out["tets"] = inside.cells(tets);
-    out["regions"] = array_of<std::int64_t>(region);
-    out["stratum"] = inside.per_point<std::int8_t>([&](std::size_t i) { return cloud.role[i]; });
-    out["label"] = inside.per_point<std::int64_t>(
-        [&](std::size_t i) { return cloud.role[i] == Stratum::interior ? -1 : cloud.label[i]; });
-    out["size"] = inside.per_point<double>([&](std::size_t i) { return cloud.size[i]; });
-    out["facets"] = inside.cells(surface.facets);
-    out["facet_patch"] = array_of<std::int64_t>(surface.patch);
-    out["creases"] = inside.cells(surface.creases);
-    out["crease_curve"] = array_of<std::int64_t>(surface.curve);
-    return made("wct_plugin.core.domain", "StratifiedMesh", out);
-}
-
 nb::object to_python(const sampling::Resampled &result, const sampling::SurfaceLabels &surface,
                      const std::vector<int> &held) {
-    const Inside inside(result);
+    const sampling::Start start = sampling::start_of(result, surface);
+    const auto numbers = [&](const std::vector<int> &points) {
+        std::vector<int> rows;
+        for (const int v : points)
+            rows.push_back(start.place[v]);
+        return array_of<std::int64_t>(rows);
+    };
+    std::vector<int> held_point(start.mesh.points.size(), -1);
+    for (std::size_t i = 0; i < held.size(); ++i)
+        if (start.place[i] >= 0)
+            held_point[start.place[i]] = held[i];
     nb::dict stats;
     stats["bad"] = result.tally.bad;
     stats["deviation_out"] = result.deviation.most_out;
@@ -109,11 +46,11 @@ nb::object to_python(const sampling::Resampled &result, const sampling::SurfaceL
     for (const auto &[name, value] : result.stats)
         stats[name.c_str()] = value;
     nb::dict out;
-    out["mesh"] = mesh_of(result, surface, inside);
-    out["held"] = inside.per_point<std::int64_t>([&](std::size_t i) { return held.empty() ? -1 : held[i]; });
-    out["exposed"] = inside.numbers(result.flaws.exposed);
-    out["pinched"] = inside.numbers(result.flaws.pinched);
-    out["lost"] = inside.numbers(result.lost);
+    out["mesh"] = stratified_mesh_of(start.mesh);
+    out["held"] = array_of<std::int64_t>(held_point);
+    out["exposed"] = numbers(result.flaws.exposed);
+    out["pinched"] = numbers(result.flaws.pinched);
+    out["lost"] = numbers(result.lost);
     out["intact"] = result.intact;
     out["stats"] = stats;
     return made("wct_plugin.core.results", "ResampleResult", out);

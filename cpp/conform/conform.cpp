@@ -40,7 +40,7 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
 } // namespace
 
 Conformed conform(const domain::Reference &reference, const std::optional<domain::Reference> &given,
-                  const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const std::int64_t> label,
+                  const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const int> label,
                   std::span<const double> size, const ConformOptions &options, Monitor &monitor,
                   const Workers &workers) {
     const domain::RegionMap map(mesh, reference);

@@ -66,7 +66,7 @@ struct Conformed {
 /// surface, with the mesh's own points; facets stay within the tolerance of it or of `given`, the surface it stands
 /// for.
 Conformed conform(const domain::Reference &reference, const std::optional<domain::Reference> &given,
-                  const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const std::int64_t> label,
+                  const domain::InputMesh &mesh, std::span<const Stratum> stratum, std::span<const int> label,
                   std::span<const double> size, const ConformOptions &options, Monitor &monitor,
                   const Workers &workers);
 

@@ -7,7 +7,7 @@
 namespace wct::conform {
 
 ConformingCloud::ConformingCloud(const domain::Reference &reference, const domain::InputMesh &mesh,
-                                 std::span<const Stratum> stratum, std::span<const std::int64_t> label,
+                                 std::span<const Stratum> stratum, std::span<const int> label,
                                  std::span<const double> size)
     : reference_(reference), size_(size) {
     std::vector<int> region(mesh.points.size(), -1);

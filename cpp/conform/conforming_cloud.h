@@ -24,7 +24,7 @@ class ConformingCloud {
   public:
     /// `stratum`, `label` per point of the mesh: its role, and the patch or curve. `reference` has the mesh's points.
     ConformingCloud(const domain::Reference &reference, const domain::InputMesh &mesh, std::span<const Stratum> stratum,
-                    std::span<const std::int64_t> label, std::span<const double> size);
+                    std::span<const int> label, std::span<const double> size);
 
     const sampling::Cloud &points() const { return cloud_; }
     const std::vector<Segment> &segments() const { return segments_; }
