@@ -3,6 +3,7 @@
 #include "bindings/arrays.h"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
 
 #include <optional>
 #include <string>

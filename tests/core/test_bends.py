@@ -25,8 +25,8 @@ def roof(bend, n=8):
 
 def size_on_ridge(mesh, crease_angle):
     found = start(mesh, own_boundary(mesh, crease_angle), TOLERANCE)
-    on = (np.abs(found["points"][:, 1] - 0.5) < 0.02) & (found["stratum"] == 1) & (found["points"][:, 2] > 0.9)
-    return found["size"][on]
+    on = (np.abs(found.mesh.points[:, 1] - 0.5) < 0.02) & (found.mesh.stratum == 1) & (found.mesh.points[:, 2] > 0.9)
+    return found.mesh.size[on]
 
 
 @pytest.mark.parametrize("bend", [60, 80])
@@ -42,9 +42,9 @@ def test_sizes_at_a_bend_follow_the_tolerance(bend):
 def test_what_is_a_crease_is_not_a_bend():
     mesh = roof(60)
     found = start(mesh, own_boundary(mesh, 40.0), TOLERANCE)
-    ridge = found["points"][found["creases"]][:, :, 1].mean(axis=1)
-    on = np.unique(found["creases"][np.abs(ridge - 0.5) < 1e-9])
-    assert np.median(found["size"][on]) > 0.7 * np.median(found["size"])
+    ridge = found.mesh.points[found.mesh.creases][:, :, 1].mean(axis=1)
+    on = np.unique(found.mesh.creases[np.abs(ridge - 0.5) < 1e-9])
+    assert np.median(found.mesh.size[on]) > 0.7 * np.median(found.mesh.size)
 
 
 def test_bends_shallower_than_the_tolerance_are_noise():
@@ -56,9 +56,9 @@ def test_bends_shallower_than_the_tolerance_are_noise():
     noisy = TetMesh(np.stack([x, y, z * (1.0 + height)], axis=1), zigzag.tets)
     mesh = TetMesh(mesh.points / mesh.points.max(), mesh.tets)
     found = start(mesh, given_surface(noisy.boundary_surface(), mesh, 85.0), tolerance)
-    middle = (np.abs(found["points"][:, :2] - 0.5) < 0.25).all(axis=1) & (found["points"][:, 2] > 0.9)
+    middle = (np.abs(found.mesh.points[:, :2] - 0.5) < 0.25).all(axis=1) & (found.mesh.points[:, 2] > 0.9)
     as_bends = 4.0 * SAG * tolerance * np.sqrt(3.0) / np.tan(np.radians(35.0))
-    assert found["size"][middle].min() > 1.1 * as_bends
+    assert found.mesh.size[middle].min() > 1.1 * as_bends
 
 
 def test_triangles_that_run_either_way_are_no_bends():
@@ -69,7 +69,7 @@ def test_triangles_that_run_either_way_are_no_bends():
     triangles = own.strata.triangles.copy()
     triangles[np.flatnonzero(wall)[::2]] = triangles[np.flatnonzero(wall)[::2]][:, ::-1]
     turned = replace(own, strata=replace(own.strata, triangles=triangles))
-    sizes = [start(mesh, one, TOLERANCE)["size"].min() for one in (own, turned)]
+    sizes = [start(mesh, one, TOLERANCE).mesh.size.min() for one in (own, turned)]
     assert sizes[1] > 0.5 * sizes[0]
 
 

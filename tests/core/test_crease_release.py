@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support.builders import ball, jittered_cube
+from support.core_meshes import NO_SEGMENTS
 from support.searching import arguments, bad, check_valid, rows, search
 
 from wct_plugin.measure.deviation import measure_deviation
@@ -19,8 +20,8 @@ def mesh():
 
 def creased(mesh, *nets):
     """The search's arguments if these sets of edges of the ball's surface were creases, each set a curve."""
-    given = arguments(mesh, crease_angle=180.0)
-    stratum, label = given["stratum"].copy(), given["label"].copy()
+    given, _ = arguments(mesh, crease_angle=180.0)
+    stratum, label = given.stratum.copy(), given.label.copy()
     chosen, curve = np.concatenate(nets), np.repeat(np.arange(len(nets)), [len(net) for net in nets])
     corners = np.unique(chosen)
     stratum[corners], label[corners] = 3, corners
@@ -44,18 +45,18 @@ def run(mesh, change, kicks=100, tolerance=TOLERANCE, **options):
 def test_creases_that_hold_tets_back_are_released(mesh):
     north = half(mesh, surface_edges(mesh), 1)
     kept = run(mesh, creased(mesh, north), tolerance=TIGHT)
-    assert kept["bad"] > 0
-    assert len(kept["released"]) == 0
-    assert len(kept["creases"]) >= len(north)
+    assert kept.bad > 0
+    assert len(kept.released) == 0
+    assert len(kept.mesh.creases) >= len(north)
     freed = run(mesh, creased(mesh, north), tolerance=TIGHT, loose=np.array([0]))
-    assert freed["bad"] == 0
-    assert freed["released"].tolist() == [0]
-    assert len(freed["creases"]) == 0
-    assert (freed["stratum"] < 2).all()  # corners left without creases are none
-    assert bad(freed["points"], freed["tets"]) == 0
+    assert freed.bad == 0
+    assert freed.released.tolist() == [0]
+    assert len(freed.mesh.creases) == 0
+    assert (freed.mesh.stratum < 2).all()  # corners left without creases are none
+    assert bad(freed.mesh.points, freed.mesh.tets) == 0
     check_valid(freed)
     before = mesh.boundary_surface()
-    assert measure_deviation(SurfaceMesh(freed["points"], freed["facets"]), before).max <= TIGHT
+    assert measure_deviation(SurfaceMesh(freed.mesh.points, freed.mesh.facets), before).max <= TIGHT
 
 
 def test_creases_that_are_not_loose_stay(mesh):
@@ -63,56 +64,56 @@ def test_creases_that_are_not_loose_stay(mesh):
     north, south = half(mesh, edges, 1), half(mesh, edges, -1)
     found = run(mesh, creased(mesh, north, south), loose=np.array([0]))
     check_valid(found)
-    assert found["released"].tolist() == [0]
-    assert set(found["crease_curve"].tolist()) == {1}
-    assert np.array_equal(np.sort(found["label"][found["stratum"] == 3]), np.unique(south))
+    assert found.released.tolist() == [0]
+    assert set(found.mesh.crease_curve.tolist()) == {1}
+    assert np.array_equal(np.sort(found.mesh.label[found.mesh.stratum == 3]), np.unique(south))
 
 
 def test_those_away_from_bad_tets_stay(mesh):
     edges = surface_edges(mesh)
     away = TetMesh(0.5 * mesh.points + [10.0, 0.0, 0.0], mesh.tets)
     good = run(away, creased(away, edges[[0, -1]]), kicks=1000)
-    assert good["bad"] == 0
+    assert good.bad == 0
     both = TetMesh(
-        np.vstack([mesh.points, good["points"]]),
-        np.vstack([mesh.tets, len(mesh.points) + good["tets"]]).astype(np.int64),
+        np.vstack([mesh.points, good.mesh.points]),
+        np.vstack([mesh.tets, len(mesh.points) + good.mesh.tets]).astype(np.int64),
     )
-    change = creased(both, half(mesh, edges, 1), len(mesh.points) + good["creases"])
+    change = creased(both, half(mesh, edges, 1), len(mesh.points) + good.mesh.creases)
     found = run(both, change, tolerance=TIGHT, loose=np.array([0, 1]))
     check_valid(found)
-    assert found["released"].tolist() == [0]
-    assert set(found["crease_curve"].tolist()) == {1}
+    assert found.released.tolist() == [0]
+    assert set(found.mesh.crease_curve.tolist()) == {1}
 
 
 def test_patches_on_either_side_become_one(mesh):
-    given, north = arguments(mesh), half(mesh, surface_edges(mesh), 1)
-    sides = np.sort(given["surface_triangles"][:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ [len(mesh.points), 1]
+    (_, on), north = arguments(mesh), half(mesh, surface_edges(mesh), 1)
+    sides = np.sort(on.triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ [len(mesh.points), 1]
     patch = np.isin(sides, north @ [len(mesh.points), 1]).all(axis=1).astype(np.int64)  # 1 within the net
-    change = creased(mesh, north) | {"surface_patch": patch, "facet_patch": patch}
+    change = creased(mesh, north) | {"surface_patch": patch, "facet_patch": patch, "surface_sides": NO_SEGMENTS}
     kept = run(mesh, change)
-    assert set(kept["facet_patch"].tolist()) == {0, 1}
+    assert set(kept.mesh.facet_patch.tolist()) == {0, 1}
     found = run(mesh, change, loose=np.array([0]))
-    assert found["released"].tolist() == [0]
+    assert found.released.tolist() == [0]
     check_valid(found)
-    assert not found["facet_patch"].any()
-    assert not found["label"][found["stratum"] == 1].any()
+    assert not found.mesh.facet_patch.any()
+    assert not found.mesh.label[found.mesh.stratum == 1].any()
 
 
 def test_straight_creases_and_those_of_planes_are_never_released():
     mesh = jittered_cube(3, 1)
-    curves = arguments(mesh)["surface_curve"]
+    curves = arguments(mesh)[1].curve
     plain = search(mesh, passes=1, kicks=100)
     loose = search(mesh, passes=1, kicks=100, loose=np.unique(curves))
-    assert len(loose["released"]) == 0
-    assert np.array_equal(plain["points"], loose["points"])
-    assert np.array_equal(plain["tets"], loose["tets"])
+    assert len(loose.released) == 0
+    assert np.array_equal(plain.mesh.points, loose.mesh.points)
+    assert np.array_equal(plain.mesh.tets, loose.mesh.tets)
 
 
 def test_the_same_again(mesh):
     north = half(mesh, surface_edges(mesh), 1)
     first, second = (run(mesh, creased(mesh, north), loose=np.array([0])) for _ in range(2))
-    assert np.array_equal(first["points"], second["points"])
-    assert rows(first["tets"]) == rows(second["tets"])
+    assert np.array_equal(first.mesh.points, second.mesh.points)
+    assert rows(first.mesh.tets) == rows(second.mesh.tets)
 
 
 @pytest.mark.parametrize("loose", [[-1], [12]])

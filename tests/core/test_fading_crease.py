@@ -46,7 +46,8 @@ def found(mesh, own):
 
 
 def test_its_edges_are_creases_of_the_new_mesh_without_a_gap(found):
-    along = np.sort(found["points"][found["creases"][on_ridge(found["points"], found["creases"])]][:, :, 0], axis=1)
+    mesh = found.mesh
+    along = np.sort(mesh.points[mesh.creases[on_ridge(mesh.points, mesh.creases)]][:, :, 0], axis=1)
     along = along[np.argsort(along[:, 0])]
     assert along[0, 0] == 0.0
     assert along[-1, 1] == np.ceil(12 * BENT) / 12
@@ -56,6 +57,6 @@ def test_its_edges_are_creases_of_the_new_mesh_without_a_gap(found):
 def test_it_does_not_count_as_a_bend_of_the_surface(found):
     # The top is a saddle, z = 1 - (1 - x) |1/2 - y|, of curvatures below 1: at the tolerance it needs no finer edges.
     # Past its end the ridge is a bend, and sizes shrink towards there.
-    on = np.unique(found["creases"][on_ridge(found["points"], found["creases"])])
-    on = on[found["points"][on, 0] < 0.3]
-    assert found["size"][on].min() > 0.8 * np.median(found["size"])
+    on = np.unique(found.mesh.creases[on_ridge(found.mesh.points, found.mesh.creases)])
+    on = on[found.mesh.points[on, 0] < 0.3]
+    assert found.mesh.size[on].min() > 0.8 * np.median(found.mesh.size)

@@ -22,12 +22,12 @@ def stack(heights, cells, seed):
 def heights_off(found, own, turn):
     """How far the corners of each facet are from the plane of its patch."""
     at = own.points @ turn.T
-    new = found["points"] @ turn.T
+    new = found.mesh.points @ turn.T
     off = []
-    for patch in np.unique(found["facet_patch"]):
+    for patch in np.unique(found.mesh.facet_patch):
         corners = at[np.unique(own.strata.triangles[own.strata.patch == patch])]
         axis = np.ptp(corners, axis=0).argmin()
-        off.append(np.abs(new[found["facets"][found["facet_patch"] == patch]][..., axis] - corners[0, axis]).max())
+        off.append(np.abs(new[found.mesh.facets[found.mesh.facet_patch == patch]][..., axis] - corners[0, axis]).max())
     return np.array(off)
 
 
@@ -37,7 +37,7 @@ def test_planes_of_layers_are_made_of_facets(heights, seed):
     mesh, turn = stack(heights, (6, 5), seed)
     own = own_boundary(mesh, 40.0)
     found = start(mesh, own, seed=seed)
-    assert found["intact"]
+    assert found.intact
     assert heights_off(found, own, turn).max() < 1e-12
 
 
@@ -46,8 +46,8 @@ def test_edges_at_the_rim_of_a_layer_are_as_short_as_in_it():
     thickness = 0.04
     mesh, turn = stack((thickness, 0.6), (6, 5), 1)
     found = start(mesh, own_boundary(mesh, 40.0))
-    points = found["points"] @ turn.T
-    rim = (np.abs(points[:, 2] - thickness) < 1e-12) & (found["stratum"] == 2)
-    assert found["size"][rim].max() < 1.5 * thickness
-    creases = found["creases"][rim[found["creases"]].all(axis=1)]
+    points = found.mesh.points @ turn.T
+    rim = (np.abs(points[:, 2] - thickness) < 1e-12) & (found.mesh.stratum == 2)
+    assert found.mesh.size[rim].max() < 1.5 * thickness
+    creases = found.mesh.creases[rim[found.mesh.creases].all(axis=1)]
     assert np.linalg.norm(np.diff(points[creases], axis=1), axis=-1).max() < 2.0 * thickness

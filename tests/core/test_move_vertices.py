@@ -3,6 +3,8 @@
 import os
 import signal
 import threading
+from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from support.core_meshes import (
     NO_LABELS,
     NO_SEGMENTS,
     NO_TRIANGLES,
+    Movable,
     ball,
     completely_well_centered,
     cosines,
@@ -43,10 +46,10 @@ def moved(request):
     """A mesh, whether it slid, the goal, and what came of it."""
     name, slide, goal = request.param
     mesh = MESHES[name]
-    before = [a.copy() for a in mesh.arguments(slide=slide)]
+    before = deepcopy(vars(mesh))
     points, report = move(mesh, slide=slide, goal=goal)
-    for given, kept in zip(mesh.arguments(slide=slide), before, strict=True):
-        np.testing.assert_array_equal(given, kept)
+    for name, values in vars(mesh).items():
+        np.testing.assert_array_equal(values, before[name])
     return mesh, slide, goal, points, report
 
 
@@ -206,17 +209,18 @@ class TestNothingToDo:
     def test_no_free_point(self):
         mesh = MESHES["cube"]
         stratum = np.full(len(mesh.points), 3, dtype=np.int8)
-        points, report = _core.move_vertices(
-            mesh.points, mesh.tets, stratum, *mesh.arguments(slide=False)[3:], goal="cwc", margin=0.02, effort=1
-        )
+        held = replace(mesh.pinned, stratum=stratum)
+        points, report = _core.move_vertices(mesh.points, mesh.tets, held, goal="cwc", margin=0.02, effort=1)
         assert points.tobytes() == mesh.points.tobytes()
         assert report["bad_before"] == report["bad_after"] > 0
 
     def test_no_tets(self):
         points, report = _core.move_vertices(
-            np.zeros((3, 3)), np.zeros((0, 4), dtype=np.int64), np.zeros(3, dtype=np.int8), np.full(3, -1),
-            NO_TRIANGLES, NO_LABELS, NO_SEGMENTS, NO_LABELS, goal="3wc", margin=0.02, effort=1,
-        )  # fmt: skip
+            *without_surface(np.zeros((3, 3)), np.zeros((0, 4), dtype=np.int64), np.zeros(3, dtype=np.int8)),
+            goal="3wc",
+            margin=0.02,
+            effort=1,
+        )
         assert (points == 0).all()
         assert report["bad_after"] == 0
 
@@ -227,6 +231,12 @@ class TestNothingToDo:
         points, report = _core.move_vertices(*mesh, goal=goal, margin=0.0, effort=1)
         assert points.tobytes() == mesh[0].tobytes()
         assert report["evaluations"] == 0
+
+
+def without_surface(points, tets, stratum):
+    """The arguments for a mesh whose points move freely or stay."""
+    label = np.full(len(points), -1)
+    return points, tets, Movable(points, tets, stratum, label, NO_TRIANGLES, NO_LABELS, NO_SEGMENTS, NO_LABELS)
 
 
 def star_of_octahedron(off):
@@ -240,7 +250,7 @@ def star_of_octahedron(off):
     flipped = volumes(points, tets) < 0
     tets[flipped] = tets[flipped][:, [0, 1, 3, 2]]
     stratum = np.array([3] * 12 + [0], dtype=np.int8)
-    return points, tets, stratum, np.full(13, -1), NO_TRIANGLES, NO_LABELS, NO_SEGMENTS, NO_LABELS
+    return without_surface(points, tets, stratum)
 
 
 @pytest.mark.parametrize("goal", ["3wc", "cwc"])
@@ -260,10 +270,7 @@ def test_one_tet(moving, goal):
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     stratum = np.full(4, 3, dtype=np.int8)
     stratum[moving] = 0
-    out, report = _core.move_vertices(
-        points, ONE_TET, stratum, np.full(4, -1), NO_TRIANGLES, NO_LABELS, NO_SEGMENTS, NO_LABELS,
-        goal=goal, margin=0.02, effort=1,
-    )  # fmt: skip
+    out, report = _core.move_vertices(*without_surface(points, ONE_TET, stratum), goal=goal, margin=0.02, effort=1)
     assert (report["bad_before"], report["bad_after"]) == (1, 0)
     assert (well_centered if goal == "3wc" else completely_well_centered)(out, ONE_TET).all()
     assert out[stratum == 3].tobytes() == points[stratum == 3].tobytes()
@@ -371,27 +378,26 @@ class TestRefusals:
             move(MESHES["cube"], **change)
 
     @pytest.mark.parametrize(
-        ("position", "value", "message"),
+        ("name", "value", "message"),
         [
-            (0, np.zeros((125, 2)), "points has shape"),
-            (1, np.array([[0, 1, 2, 125]]), "tets names point 125"),
-            (1, np.array([[0, 1, 2, 2]]), "tet 0 is inverted or flat"),
-            (2, np.zeros(124, dtype=np.int8), "stratum has length 124; it must be 125"),
-            (2, np.zeros(125, dtype=np.int64), "stratum must hold int8"),
-            (2, np.full(125, 4, dtype=np.int8), "stratum 4"),
-            (3, np.zeros((125, 1), dtype=np.int64), r"label has shape \(125, 1\)"),
-            (3, np.full(125, 999), "has points that move but no piece"),
-            (4, np.array([[0, 1, -1]]), "triangles names point -1"),
-            (5, np.zeros(3, dtype=np.int64), "triangle_patch has length 3"),
-            (6, np.array([[0, 125]]), "segments names point 125"),
-            (7, np.zeros(3, dtype=np.int64), "segment_curve has length 3"),
+            ("points", np.zeros((125, 2)), "points has shape"),
+            ("tets", np.array([[0, 1, 2, 125]]), "tets names point 125"),
+            ("tets", np.array([[0, 1, 2, 2]]), "tet 0 is inverted or flat"),
+            ("stratum", np.zeros(124, dtype=np.int8), "stratum has length 124; it must be 125"),
+            ("stratum", np.zeros(125, dtype=np.int64), "stratum must hold int8"),
+            ("stratum", np.full(125, 4, dtype=np.int8), "stratum 4"),
+            ("label", np.zeros((125, 1), dtype=np.int64), r"label has shape \(125, 1\)"),
+            ("label", np.full(125, 999), "has points that move but no piece"),
+            ("triangles", np.array([[0, 1, -1]]), "triangles names point -1"),
+            ("patch", np.zeros(3, dtype=np.int64), "patch has length 3"),
+            ("segments", np.array([[0, 125]]), "segments names point 125"),
+            ("curve", np.zeros(3, dtype=np.int64), "curve has length 3"),
         ],
     )
-    def test_arrays(self, position, value, message):
-        arguments = list(MESHES["cube"].arguments(slide=True))
-        arguments[position] = value
+    def test_arrays(self, name, value, message):
+        changed = replace(MESHES["cube"], **{name: value})
         with pytest.raises(ValueError, match=message):
-            _core.move_vertices(*arguments, goal="3wc", margin=0.02, effort=1)
+            _core.move_vertices(*changed.arguments(slide=True), goal="3wc", margin=0.02, effort=1)
 
     def test_inverted_tets(self):
         mesh = MESHES["cube"]

@@ -1,5 +1,7 @@
 """The inside filled anew: the surface's facets are all there, to the last bit, and the mesh between them is valid."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.builders import ball, delaunay, jittered_cube, kuhn_cube, rotation, two_region_cube
@@ -9,22 +11,12 @@ from wct_plugin.measure import quality
 from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.mesh.topology import Topology
 from wct_plugin.meshing.reference import own_boundary
+from wct_plugin.meshing.search_mesh import from_mesh
 
 
 def refill(mesh, **options):
     own = own_boundary(mesh, 40.0)
-    of = own.strata
-    return _core.refill(
-        mesh.points,
-        mesh.tets,
-        np.searchsorted(own.regions, mesh.regions),
-        np.flatnonzero(of.stratum > 0),
-        of.triangles,
-        of.patch,
-        own.sides,
-        of.segments,
-        **options,
-    )
+    return _core.refill(from_mesh(mesh, own, pinned=True), own.sides, **options)
 
 
 def halves(n=5):
@@ -83,15 +75,15 @@ def test_the_surface_stays_and_the_rest_is_a_valid_mesh(make):
     mesh = make()
     own = own_boundary(mesh, 40.0)
     found = refill(mesh)
-    points, tets, regions = found["points"], found["tets"], found["regions"]
+    points, tets, regions = found.points, found.tets, found.regions
     assert (_core.orientation(points, tets) == 1).all()
     topology = Topology(tets, regions, len(points))  # raises where a facet belongs to three tets
     assert places(points, topology.boundary) == places(mesh.points, mesh.topology.boundary)
     assert places(points, topology.interfaces) == places(mesh.points, mesh.topology.interfaces)
-    old = found["origin"] >= 0
-    assert np.array_equal(points[old], mesh.points[found["origin"][old]])
+    old = found.origin >= 0
+    assert np.array_equal(points[old], mesh.points[found.origin[old]])
     place = np.full(len(mesh.points), -1)
-    place[found["origin"][old]] = np.flatnonzero(old)
+    place[found.origin[old]] = np.flatnonzero(old)
     assert (place[own.strata.stratum > 0] >= 0).all()
     facets = np.sort(np.concatenate([tets[:, [1, 2, 3]], tets[:, [0, 2, 3]], tets[:, [0, 1, 3]], tets[:, :3]]), axis=1)
     assert rows(place[own.strata.triangles]) <= rows(facets)
@@ -108,18 +100,18 @@ def test_where_no_delaunay_triangulation_has_a_facet_tets_are_kept():
     mesh = stretched([1.0, 0.8, 1.3])
     hull = places(mesh.points, delaunay(mesh.points[mesh.topology.boundary_points], 0.0).topology.boundary)
     found = refill(mesh)
-    kept = places(found["points"], found["tets"]) & places(mesh.points, mesh.tets)
+    kept = places(found.points, found.tets) & places(mesh.points, mesh.tets)
     missing = places(mesh.points, mesh.topology.boundary) - hull
     assert missing
     assert kept
-    assert (found["origin"] < 0).any()
+    assert (found.origin < 0).any()
 
 
 def test_no_new_point_where_no_apex_can_be():
     """The apex of a 3WC tet lies outside of the smallest ball through the corners of each facet."""
     mesh = ball(5)
     found = refill(mesh)
-    new = found["points"][found["origin"] < 0]
+    new = found.points[found.origin < 0]
     corners = mesh.points[mesh.topology.boundary]
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     n = np.cross(u, v)
@@ -139,52 +131,44 @@ def test_edges_become_as_long_as_asked():
     mesh = ball(5)
     for length in (0.25, 0.12):
         found = refill(mesh, size=np.full(len(mesh.points), length))
-        topology = Topology(found["tets"], found["regions"], len(found["points"]))
-        inner = topology.edges[(found["origin"][topology.edges] < 0).all(axis=1)]
-        ends = found["points"][inner]
+        topology = Topology(found.tets, found.regions, len(found.points))
+        inner = topology.edges[(found.origin[topology.edges] < 0).all(axis=1)]
+        ends = found.points[inner]
         assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean() == pytest.approx(length, rel=0.2)
 
 
 def test_the_same_bits_twice():
     first, second = refill(ball(4), seed=3), refill(ball(4), seed=3)
-    assert all(np.array_equal(first[name], second[name]) for name in ("points", "tets", "origin"))
+    assert all(np.array_equal(getattr(first, name), getattr(second, name)) for name in ("points", "tets", "origin"))
 
 
 def test_nothing_is_filled_between_points_that_coincide():
     mesh = ball(3)
     two = TetMesh(np.concatenate([mesh.points, mesh.points]), np.concatenate([mesh.tets, mesh.tets + len(mesh.points)]))
-    assert len(refill(two)["tets"]) == 0
+    assert len(refill(two).tets) == 0
 
 
 def test_stopped_early_there_is_nothing():
     heard = []
     found = refill(ball(8), progress=lambda done, bad: heard.append(done) or False)
-    assert found["stopped"]
+    assert found.stopped
     assert len(heard) == 1
-    assert len(found["tets"]) == 0 or bad_share(found["points"], found["tets"]) < 1.0
+    assert len(found.tets) == 0 or bad_share(found.points, found.tets) < 1.0
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"pinned": np.array([10**6])}, "pinned holds 1000000"),
+        ({"stratum": np.array([0], dtype=np.int8)}, "stratum has length 1"),
         ({"facets": np.zeros((0, 3), dtype=np.int64), "facet_patch": np.zeros(0, dtype=np.int64)}, "facets and tets"),
-        ({"size": np.array([1.0])}, "size has length 1"),
-        ({"edges": np.array([[0, 10**6]])}, "edges names point 1000000"),
+        ({"creases": np.array([[0, 10**6]])}, "creases names point 1000000"),
     ],
 )
 def test_arguments_of_no_use_are_refused(change, message):
     mesh = ball(3)
     own = own_boundary(mesh, 40.0)
-    given = {
-        "points": mesh.points,
-        "tets": mesh.tets,
-        "region": mesh.regions,
-        "pinned": np.array(mesh.topology.boundary_points, dtype=np.int64),
-        "facets": own.strata.triangles,
-        "facet_patch": own.strata.patch,
-        "sides": own.sides,
-        "edges": own.strata.segments,
-    }
+    start = from_mesh(mesh, own, pinned=True)
     with pytest.raises(ValueError, match=message):
-        _core.refill(**(given | change))
+        _core.refill(replace(start, **change), own.sides)
+    with pytest.raises(ValueError, match="size has length 1"):
+        _core.refill(start, own.sides, size=np.array([1.0]))

@@ -1,5 +1,6 @@
 """A new start: closest points, curvatures, and what a resampled domain must keep."""
 
+from dataclasses import fields, replace
 from itertools import combinations
 
 import numpy as np
@@ -7,10 +8,12 @@ import pytest
 from scipy.spatial import cKDTree
 from support.boxes import CUBE, box, cube_surface
 from support.builders import ball, fin, kuhn_cube, l_shape
-from support.core_meshes import FACETS, completely_well_centered, start
+from support.core_meshes import FACETS, NO_LABELS, NO_SEGMENTS, completely_well_centered, sampled, start
 from support.gmsh_bodies import ball_in_box
 
 from wct_plugin.core import _core
+from wct_plugin.core.domain import RegionMesh, StratifiedMesh, StratifiedSurface
+from wct_plugin.core.requests import ResampleOptions
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
 from wct_plugin.meshing.reference import own_boundary
@@ -53,12 +56,15 @@ def edge_uses(triangles):
     return np.unique(ends, axis=0, return_counts=True)[1]
 
 
+def same_bits(one, other):
+    return all(np.array_equal(getattr(one.mesh, f.name), getattr(other.mesh, f.name)) for f in fields(StratifiedMesh))
+
+
 @pytest.fixture(scope="module", params=[False, True], ids=["straight", "turned"])
 def cube(request):
     turn = rotation() if request.param else None
     points, tets = box(6, turn)
-    region = np.zeros(len(tets), dtype=np.int64)
-    result = _core.resample(**cube_surface(turn), points=points, tets=tets, region=region, tolerance=1e-3)
+    result = sampled(cube_surface(turn), points, tets)
     return result, points, tets, turn
 
 
@@ -104,13 +110,13 @@ def test_curvatures_of_a_cylinder_away_from_its_rims():
 
 def test_planes_have_no_curvature():
     surface = cube_surface()
-    found = _core.surface_curvatures(surface["surface_points"], surface["triangles"], surface["patch"])
+    found = _core.surface_curvatures(surface.points, surface.triangles, surface.patch)
     assert (found == 0.0).all()
 
 
 def test_cube_keeps_its_planes_edges_corners_and_volume(cube):
     result, _, _, turn = cube
-    points, tets, stratum = result["points"], result["tets"], result["stratum"]
+    points, tets, stratum = result.mesh.points, result.mesh.tets, result.mesh.stratum
     back = points if turn is None else points @ turn
     assert (volumes(points, tets) > 0).all()
     assert volumes(points, tets).sum() == pytest.approx(1.0, abs=1e-12)
@@ -120,19 +126,19 @@ def test_cube_keeps_its_planes_edges_corners_and_volume(cube):
     surface = boundary(tets)
     assert (edge_uses(surface) == 2).all()
     assert (stratum[surface] > 0).all()
-    assert len(result["exposed"]) == len(result["pinched"]) == 0
+    assert len(result.exposed) == len(result.pinched) == 0
 
 
 def test_cube_is_nearly_well_centered_and_keeps_its_size(cube):
     result, _, tets, _ = cube
-    assert 0.8 < len(result["tets"]) / len(tets) < 1.3
+    assert 0.8 < len(result.mesh.tets) / len(tets) < 1.3
     # Of so small a mesh a good part is at its corners, whose divided angles are crowded at first.
-    assert result["stats"]["bad"] < 0.09 * len(result["tets"])
+    assert result.stats["bad"] < 0.09 * len(result.mesh.tets)
 
 
 def test_seeds_keep_their_distance(cube):
     result, _, _, _ = cube
-    points, tets, size = result["points"], result["tets"], result["size"]
+    points, tets, size = result.mesh.points, result.mesh.tets, result.mesh.size
     ends = np.unique(np.sort(tets[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]].reshape(-1, 2), axis=1), axis=0)
     length = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1) / size[ends].mean(axis=1)
     assert length.min() > 0.2
@@ -156,51 +162,45 @@ def test_facets_keep_the_tolerance_of_a_coarsely_faceted_surface():
     flip = volumes(points, tets) < 0
     tets[flip] = tets[flip][:, [0, 1, 3, 2]]
     tolerance = 0.02
-    result = _core.resample(
+    on = StratifiedSurface(
         surface,
         triangles,
         np.zeros(len(triangles), dtype=np.int64),
-        np.empty((0, 2), dtype=np.int64),
-        np.empty(0, dtype=np.int64),
-        np.empty(0, dtype=np.int64),
+        NO_SEGMENTS,
+        NO_LABELS,
         np.array([[0, -1]]),
-        points,
-        tets,
-        np.zeros(len(tets), dtype=np.int64),
-        tolerance,
     )
-    facets = boundary(result["tets"])
+    result = sampled(on, points, tets, tolerance=tolerance)
+    facets = boundary(result.mesh.tets)
     n = 12
     weights = np.array([(i, j, n - i - j) for i in range(n + 1) for j in range(n + 1 - i)]) / n
-    samples = np.einsum("wk,tkd->twd", weights, result["points"][facets])
+    samples = np.einsum("wk,tkd->twd", weights, result.mesh.points[facets])
     far = _core.closest_points(surface, triangles, samples.reshape(-1, 3))[2].reshape(len(facets), -1).max(axis=1)
     assert (far > tolerance).mean() < 0.01
-    back = _core.closest_points(result["points"], facets, surface)[2]
+    back = _core.closest_points(result.mesh.points, facets, surface)[2]
     assert (back > tolerance).mean() < 0.01
-    assert volumes(result["points"], result["tets"]).sum() == pytest.approx(volumes(points, tets).sum(), rel=5e-3)
+    assert volumes(result.mesh.points, result.mesh.tets).sum() == pytest.approx(volumes(points, tets).sum(), rel=5e-3)
 
 
 def test_edges_are_shorter_round_places_where_they_are_to_be():
     points, tets = box(4)
-    region = np.zeros(len(tets), dtype=np.int64)
-    given = {"points": points, "tets": tets, "region": region, "tolerance": 1e-3}
     place, size = np.array([[1.0, 0.5, 0.5]]), np.array([0.1])
-    plain = _core.resample(**cube_surface(), **given)
-    finer = _core.resample(**cube_surface(), **given, finer_at=place, finer_size=size)
-    assert finer["intact"]
+    plain = sampled(cube_surface(), points, tets)
+    finer = sampled(cube_surface(), points, tets, finer_at=place, finer_size=size)
+    assert finer.intact
 
     def edges(mesh, near):
-        ends = mesh["points"][mesh["tets"][:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]]]
+        ends = mesh.mesh.points[mesh.mesh.tets[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]]]
         here = (np.linalg.norm(ends.mean(axis=(1, 2)) - place, axis=1) < 0.2) == near
         return np.linalg.norm(ends[here, :, 0] - ends[here, :, 1], axis=-1).mean()
 
     assert edges(plain, near=True) > 0.2
     assert edges(finer, near=True) < 1.25 * size[0]
     assert edges(finer, near=False) > 1.2 * size[0]
-    with pytest.raises(ValueError, match="finer_at and finer_size go together"):
-        _core.resample(**cube_surface(), **given, finer_at=place)
+    with pytest.raises(ValueError, match="finer_size has length 0; it must be 1"):
+        sampled(cube_surface(), points, tets, finer_at=place)
     with pytest.raises(ValueError, match="finer_size"):
-        _core.resample(**cube_surface(), **given, finer_at=place, finer_size=np.array([0.0]))
+        sampled(cube_surface(), points, tets, finer_at=place, finer_size=np.array([0.0]))
 
 
 @pytest.fixture(scope="module")
@@ -212,8 +212,8 @@ def two_regions(tmp_path_factory):
 def test_starts_are_well_centered_on_both_sides_of_an_interface(two_regions, edge):
     own = own_boundary(two_regions, 40.0)
     found = start(two_regions, own, own.auto_tolerance(), size=np.full(len(two_regions.points), edge))
-    good = completely_well_centered(found["points"], found["tets"])
-    assert found["intact"]
+    good = completely_well_centered(found.mesh.points, found.mesh.tets)
+    assert found.intact
     assert good.mean() > 0.95  # 83 to 86 % where points of the lattice lie in the spheres of the interface's facets
 
 
@@ -223,28 +223,24 @@ def test_a_few_shorter_edges_on_the_surface_leave_the_lattice_inside_as_it_is(tw
         start(two_regions, own, own.auto_tolerance(), size=np.full(len(two_regions.points), edge))
         for edge in (0.1, 0.0975)
     ]
-    fewer, more = (len(found["tets"]) for found in starts)
+    fewer, more = (len(found.mesh.tets) for found in starts)
     assert more / fewer < (0.1 / 0.0975) ** 3 + 0.1
 
 
 def test_same_input_same_bits():
     points, tets = box(4)
-    region = np.zeros(len(tets), dtype=np.int64)
-    runs = [_core.resample(**cube_surface(), points=points, tets=tets, region=region, tolerance=1e-3) for _ in range(2)]
-    for name in ("points", "tets", "region", "stratum", "label", "size"):
-        assert np.array_equal(runs[0][name], runs[1][name])
-    other = _core.resample(**cube_surface(), points=points, tets=tets, region=region, tolerance=1e-3, seed=2)
-    assert not np.array_equal(runs[0]["points"], other["points"])
+    runs = [sampled(cube_surface(), points, tets) for _ in range(2)]
+    assert same_bits(*runs)
+    other = sampled(cube_surface(), points, tets, seed=2)
+    assert not np.array_equal(runs[0].mesh.points, other.mesh.points)
 
 
 def test_any_number_of_threads_gives_the_same_bits():
     """A curved surface and enough of it that every loop is cut into several chunks."""
     mesh = ball(4)
     runs = [start(mesh, own_boundary(mesh, 40.0), tolerance=2.5e-3, threads=threads) for threads in (1, 2, 3)]
-    assert len(runs[0]["points"]) > 600
-    for other in runs[1:]:
-        for name in ("points", "tets", "region", "stratum", "label", "size", "facets", "facet_patch"):
-            assert np.array_equal(runs[0][name], other[name])
+    assert len(runs[0].mesh.points) > 600
+    assert all(same_bits(runs[0], other) for other in runs[1:])
 
 
 def test_two_regions_share_an_interface():
@@ -267,50 +263,33 @@ def test_two_regions_share_an_interface():
         [[a, b] for a in range(12) for b in range(a + 1, 12) if np.isclose(half[a], half[b]).sum() == 2]
     )
     segments = segments[~((half[segments[:, 0], 0] == 0) & (half[segments[:, 1], 0] == 1))]
-    result = _core.resample(
-        half,
-        triangles,
-        np.repeat(np.arange(len(quads)), 2),
-        segments,
-        np.arange(len(segments)),
-        np.arange(12),
-        np.array(sides),
-        points,
-        tets,
-        region,
-        1e-3,
-    )
-    volume = volumes(result["points"], result["tets"])
+    patch, curve = np.repeat(np.arange(len(quads)), 2), np.arange(len(segments))
+    on = StratifiedSurface(half, triangles, patch, segments, curve, np.array(sides), np.arange(12))
+    result = _core.resample(on, RegionMesh(points, tets, region), ResampleOptions(1e-3))
+    volume = volumes(result.mesh.points, result.mesh.tets)
     for which in (0, 1):
-        assert volume[result["region"] == which].sum() == pytest.approx(0.5, abs=1e-12)
+        assert volume[result.mesh.regions == which].sum() == pytest.approx(0.5, abs=1e-12)
 
 
 def test_progress_can_stop_it():
     points, tets = box(16)
     calls = []
-    result = _core.resample(
-        **cube_surface(),
-        points=points,
-        tets=tets,
-        region=np.zeros(len(tets), dtype=np.int64),
-        tolerance=1e-3,
-        progress=lambda done, bad: bool(calls.append(done)),
-    )
+    result = sampled(cube_surface(), points, tets, progress=lambda done, bad: bool(calls.append(done)))
     assert len(calls) == 1
-    assert result["stats"]["stopped"]
+    assert result.stats["stopped"]
 
 
 def test_bad_arguments_are_refused():
     points, tets = box(2)
     surface = cube_surface()
-    region = np.zeros(len(tets), dtype=np.int64)
     with pytest.raises(ValueError, match="tolerance"):
-        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=0.0)
+        sampled(surface, points, tets, tolerance=0.0)
     with pytest.raises(ValueError, match="gap"):
-        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0, gap=0.0)
-    surface["triangles"] = surface["triangles"] + 100
+        sampled(surface, points, tets, gap=0.0)
     with pytest.raises(ValueError, match="triangles names point 1"):
-        _core.resample(**surface, points=points, tets=tets, region=region, tolerance=1.0)
+        sampled(replace(surface, triangles=surface.triangles + 100), points, tets)
+    with pytest.raises(TypeError, match="patch is a list"):
+        sampled(replace(surface, patch=surface.patch.tolist()), points, tets)
 
 
 def squeezed_box(width, keep):
@@ -351,22 +330,22 @@ def test_close_sheets_stay_apart(keep, width):
 def test_a_surface_that_cuts_across_a_slot_is_not_the_domain(seed):
     """Facets six times as long as the slot is wide reach from wall to wall, mostly without a topological trace."""
     mesh = squeezed_box(0.02, lambda c: ~(in_layer(c) & (c[:, 2] > 1 / 3)))
-    assert not start(mesh, own_boundary(mesh, 40.0), gap=100.0, seed=seed)["intact"]
+    assert not start(mesh, own_boundary(mesh, 40.0), gap=100.0, seed=seed).intact
 
 
 def resampled(mesh):
     """Points and tets of a new start, a ball like the mesh and with a manifold surface."""
     result = start(mesh, own_boundary(mesh, 40.0))
-    assert result["intact"]
-    facets = np.sort(result["tets"][:, FACETS].reshape(-1, 3), axis=1)
+    assert result.intact
+    facets = np.sort(result.mesh.tets[:, FACETS].reshape(-1, 3), axis=1)
     facets, count = np.unique(facets, axis=0, return_counts=True)
     skin = facets[count == 1]
     edges = np.sort(skin[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
     assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
-    assert not pinched(skin, len(result["points"])).any()
-    assert euler(result["tets"]) == euler(mesh.tets) == 1
-    assert volumes(result["points"], result["tets"]).min() > 0
-    return result["points"], result["tets"]
+    assert not pinched(skin, len(result.mesh.points)).any()
+    assert euler(result.mesh.tets) == euler(mesh.tets) == 1
+    assert volumes(result.mesh.points, result.mesh.tets).min() > 0
+    return result.mesh.points, result.mesh.tets
 
 
 def test_edges_are_no_longer_than_the_creases_they_meet():
@@ -374,7 +353,7 @@ def test_edges_are_no_longer_than_the_creases_they_meet():
     height = 0.05
     mesh = squeezed_box(height, lambda c: (c[:, 0] < 1 / 3) | (in_layer(c) & (c[:, 2] > 1 / 2)))
     found = start(mesh, own_boundary(mesh, 40.0), size=np.full(len(mesh.points), 0.3))
-    points, facets = found["points"], found["facets"]
+    points, facets = found.mesh.points, found.mesh.facets
     ends = facets[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     upright = [[0.5 + side * height / 2, y, 0.5] for side in (-1, 1) for y in (0.0, 1.0)]
     away, at = cKDTree(points).query(upright)
@@ -391,43 +370,45 @@ def test_creases_have_no_gaps_where_sizes_change():
     for seed in range(1, 31):
         places = rng.uniform(0.0, (5.0, 4.0, 4.0), (rng.integers(2, 8), 3))
         found = start(mesh, own, finer_at=places, finer_size=np.full(len(places), rng.uniform(0.2, 0.6)), seed=seed)
-        assert found["intact"]
-        ends = np.bincount(found["creases"].ravel(), minlength=len(found["points"]))
-        assert (ends[found["stratum"] == 2] == 2).all()
-        assert ends[found["stratum"] == 3].tolist() == [3] * len(own.corners)
-        on_patch = found["stratum"][found["facets"]] == 1
-        assert ((found["label"][found["facets"]] == found["facet_patch"][:, None]) | ~on_patch).all()
+        assert found.intact
+        ends = np.bincount(found.mesh.creases.ravel(), minlength=len(found.mesh.points))
+        assert (ends[found.mesh.stratum == 2] == 2).all()
+        assert ends[found.mesh.stratum == 3].tolist() == [3] * len(own.corners)
+        on_patch = found.mesh.stratum[found.mesh.facets] == 1
+        assert ((found.mesh.label[found.mesh.facets] == found.mesh.facet_patch[:, None]) | ~on_patch).all()
 
 
 def test_what_a_fold_of_the_surface_buries_is_interior():
     """A sheet of no thickness hangs inside the cube: nothing of the mesh's surface is there to keep its points on."""
     surface, fold = cube_surface(), np.array([[0.3, 0.3, 0.5], [0.7, 0.3, 0.5], [0.5, 0.7, 0.5]])
-    surface["surface_points"] = np.concatenate([CUBE, fold])
-    surface["triangles"] = np.concatenate([surface["triangles"], [[8, 9, 10], [8, 10, 9]]])
-    surface["patch"] = np.append(surface["patch"], [6, 7])
-    surface["segments"] = np.concatenate([surface["segments"], [[8, 9], [9, 10], [8, 10]]])
-    surface["curve"], surface["corners"], surface["sides"] = np.arange(15), np.arange(11), np.tile([0, -1], (8, 1))
-    points, tets = box(4)
-    found = _core.resample(
-        **surface, points=points, tets=tets, region=np.zeros(len(tets), dtype=np.int64), tolerance=1e-3
+    surface = StratifiedSurface(
+        np.concatenate([CUBE, fold]),
+        np.concatenate([surface.triangles, [[8, 9, 10], [8, 10, 9]]]),
+        np.append(surface.patch, [6, 7]),
+        np.concatenate([surface.segments, [[8, 9], [9, 10], [8, 10]]]),
+        np.arange(15),
+        np.tile([0, -1], (8, 1)),
+        np.arange(11),
     )
-    away, at = cKDTree(found["points"]).query(fold)
+    points, tets = box(4)
+    found = sampled(surface, points, tets)
+    away, at = cKDTree(found.mesh.points).query(fold)
     assert away.max() < 1e-12
-    assert (found["stratum"][at] == 0).all()
-    assert (found["label"][at] == -1).all()
-    outside = np.isin(np.arange(len(found["points"])), found["facets"])
-    assert ((found["stratum"] > 0) == outside).all()
+    assert (found.mesh.stratum[at] == 0).all()
+    assert (found.mesh.label[at] == -1).all()
+    outside = np.isin(np.arange(len(found.mesh.points)), found.mesh.facets)
+    assert ((found.mesh.stratum > 0) == outside).all()
 
 
 @pytest.mark.parametrize("mesh", [kuhn_cube(6), l_shape(4)], ids=["cube", "L"])
 def test_no_facet_fills_a_right_angle_of_a_face(mesh):
     # Such a facet is not acute, and to open it later takes long.
     found = start(mesh, own_boundary(mesh, 40.0))
-    points, crease = found["points"], {tuple(edge) for edge in np.sort(found["creases"], axis=1).tolist()}
+    points, crease = found.mesh.points, {tuple(edge) for edge in np.sort(found.mesh.creases, axis=1).tolist()}
     filled = 0
-    for facet in found["facets"]:
+    for facet in found.mesh.facets:
         for v, a, b in (np.roll(facet, k) for k in range(3)):
-            if found["stratum"][v] == 3 and {tuple(sorted((v, a))), tuple(sorted((v, b)))} <= crease:
+            if found.mesh.stratum[v] == 3 and {tuple(sorted((v, a))), tuple(sorted((v, b)))} <= crease:
                 p, q = points[a] - points[v], points[b] - points[v]
                 filled += p @ q < 0.02 * np.linalg.norm(p) * np.linalg.norm(q)
     assert filled == 0

@@ -1,12 +1,17 @@
 """The local search: fewer bad tets, and whatever happens a valid mesh with the surface it had."""
 
+from copy import deepcopy
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from support.builders import ball, cylinder, jittered_cube, sphere_surface
-from support.core_meshes import FACETS
+from support.core_meshes import FACETS, NO_SEGMENTS
 from support.searching import arguments, bad, check_valid, rows, search
 
 from wct_plugin.core import _core
+from wct_plugin.core.domain import StratifiedMesh
+from wct_plugin.core.results import SearchResult
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -23,34 +28,34 @@ def places(points, cells):
 def test_fewer_tets_are_bad_and_the_mesh_is_valid(mesh):
     found = search(mesh)
     check_valid(found)
-    assert found["bad"] < bad(mesh.points, mesh.tets)
-    assert found["bad"] >= bad(found["points"], found["tets"])  # a tet far from its best counts, too
-    assert found["passes"] <= 2
-    assert found["evaluations"] > 0
+    assert found.bad < bad(mesh.points, mesh.tets)
+    assert found.bad >= bad(found.mesh.points, found.mesh.tets)  # a tet far from its best counts, too
+    assert found.passes <= 2
+    assert found.evaluations > 0
 
 
 def test_flat_faces_keep_the_volume_and_the_box():
     mesh = jittered_cube(3, 2)
     found = search(mesh)
-    assert quality.volumes(found["points"], found["tets"]).sum() == pytest.approx(1.0, abs=1e-12)
-    triangles = Topology(found["tets"], found["regions"], len(found["points"])).boundary
-    assert enclosed_volume(found["points"], triangles) == pytest.approx(1.0, abs=1e-12)
-    assert np.abs(np.clip(found["points"], 0, 1) - found["points"]).max() <= 1e-12
+    assert quality.volumes(found.mesh.points, found.mesh.tets).sum() == pytest.approx(1.0, abs=1e-12)
+    triangles = Topology(found.mesh.tets, found.mesh.regions, len(found.mesh.points)).boundary
+    assert enclosed_volume(found.mesh.points, triangles) == pytest.approx(1.0, abs=1e-12)
+    assert np.abs(np.clip(found.mesh.points, 0, 1) - found.mesh.points).max() <= 1e-12
 
 
 @pytest.mark.parametrize(("far", "pinned"), [(100.0, False), (100.0, True), (1.0, False)])
 def test_corners_of_a_small_feature_move_within_half_the_tolerance(far, pinned):
     """A cube of 24 tolerances, less than 3 % of a surface with a point far away; without that one it is the shape."""
     mesh, tolerance = jittered_cube(3, 2), 0.06
-    given = arguments(mesh)
-    corner = given["stratum"] == 3
+    given, _ = arguments(mesh)
+    corner = given.stratum == 3
     change = {
         "surface_points": np.vstack([mesh.points, np.full((1, 3), far)]),
-        "label": np.where(corner, -1 if pinned else np.arange(len(corner)), given["label"]),
+        "label": np.where(corner, -1 if pinned else np.arange(len(corner)), given.label),
     }
     found = search(mesh, change=change, tolerance=tolerance)
     check_valid(found)
-    corners = found["points"][found["stratum"] == 3]
+    corners = found.mesh.points[found.mesh.stratum == 3]
     moved = np.linalg.norm(corners - np.round(corners), axis=1)
     assert rows(np.round(corners)) == rows(mesh.points[corner])
     assert moved.max() <= tolerance / 2 + 1e-12
@@ -61,14 +66,14 @@ def test_corners_of_a_small_feature_move_within_half_the_tolerance(far, pinned):
 def test_a_point_where_creases_cross_is_not_taken_away(seed):
     """Every boundary edge between points of two creases is one as well: without its end it would be left over."""
     mesh = jittered_cube(3, seed)
-    given = arguments(mesh)
-    ends = given["facets"][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    between = rows(ends[(given["stratum"][ends] == 2).all(axis=1)]) - rows(given["creases"])
+    given, _ = arguments(mesh)
+    ends = given.facets[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    between = rows(ends[(given.stratum[ends] == 2).all(axis=1)]) - rows(given.creases)
     more = np.array(sorted(between))
-    curve = np.append(given["crease_curve"], given["label"][more[:, 0]])
-    found = search(mesh, change={"creases": np.concatenate([given["creases"], more]), "crease_curve": curve})
+    curve = np.append(given.crease_curve, given.label[more[:, 0]])
+    found = search(mesh, change={"creases": np.concatenate([given.creases, more]), "crease_curve": curve})
     check_valid(found)
-    assert len(found["creases"]) >= len(more)
+    assert len(found.mesh.creases) >= len(more)
 
 
 def near_sphere(mesh, count=2000):
@@ -85,8 +90,8 @@ def near_sphere(mesh, count=2000):
 
 
 def apart(found, surface):
-    used, place = np.unique(found["facets"], return_inverse=True)
-    return measure_deviation(SurfaceMesh(found["points"][used], place.reshape(-1, 3)), surface, 0.01)
+    used, place = np.unique(found.mesh.facets, return_inverse=True)
+    return measure_deviation(SurfaceMesh(found.mesh.points[used], place.reshape(-1, 3)), surface, 0.01)
 
 
 @pytest.mark.parametrize("tolerance", [0.03, 0.1])
@@ -94,7 +99,7 @@ def test_coarse_facets_stay_within_the_tolerance_both_ways(tolerance):
     mesh = ball(4)  # its own facets bend by 12 degrees at their edges: chords would cut these off
     found = search(mesh, tolerance=tolerance, kicks=50)
     check_valid(found)
-    assert len(rows(found["facets"]) ^ rows(mesh.topology.boundary)) > 10
+    assert len(rows(found.mesh.facets) ^ rows(mesh.topology.boundary)) > 10
     between = apart(found, mesh.boundary_surface())
     assert max(between.max_ab, between.max_ba) <= tolerance
 
@@ -116,32 +121,35 @@ def test_facets_end_as_much_before_the_surface_as_behind_it():
     full = enclosed_volume(sphere.points, sphere.triangles)
     found = search(mesh, change=change, tolerance=0.06)
     assert quality.volumes(mesh.points, mesh.tets).sum() < 0.95 * full
-    assert quality.volumes(found["points"], found["tets"]).sum() == pytest.approx(full, rel=5e-3)
+    assert quality.volumes(found.mesh.points, found.mesh.tets).sum() == pytest.approx(full, rel=5e-3)
 
 
 @pytest.mark.parametrize("n", [2, 3])
 def test_no_tet_gives_the_goal_up_for_the_margins_of_others(n):
     mesh = ball(n)
-    assert search(mesh, passes=6, kicks=400, margin=2e-3)["bad"] == 0
+    assert search(mesh, passes=6, kicks=400, margin=2e-3).bad == 0
     found = search(mesh, passes=6, kicks=400, margin=0.1)  # more than it can get everywhere
     check_valid(found)
-    assert bad(found["points"], found["tets"]) == found["bad"] == 0
+    assert bad(found.mesh.points, found.mesh.tets) == found.bad == 0
 
 
 def test_the_same_bits_twice():
     mesh = jittered_cube(3, 3)
     first, second = search(mesh, seed=4), search(mesh, seed=4)
-    assert first.keys() == second.keys()
-    for name, value in first.items():
-        assert np.array_equal(value, second[name]), name
+    for result in (SearchResult, StratifiedMesh):
+        one, other = (first, second) if result is SearchResult else (first.mesh, second.mesh)
+        for field in fields(result):
+            if field.name != "mesh":
+                assert np.array_equal(getattr(one, field.name), getattr(other, field.name)), field.name
 
 
 def test_the_input_stays_as_it_is():
     mesh = jittered_cube(3, 3)
-    before = {name: values.copy() for name, values in arguments(mesh).items()}
+    before = [deepcopy(vars(one)) for one in arguments(mesh)]
     search(mesh)
-    for name, values in arguments(mesh).items():
-        assert np.array_equal(values, before[name]), name
+    for one, other in zip(arguments(mesh), before, strict=True):
+        for name, values in vars(one).items():
+            assert np.array_equal(values, other[name]), name
 
 
 def test_progress_can_stop_it():
@@ -154,15 +162,15 @@ def test_progress_can_stop_it():
 
     found = search(mesh, progress=listen)
     assert len(heard) == 2
-    assert found["stopped"]
+    assert found.stopped
     assert heard[0][0] == "passes"
     assert heard[0][2] >= bad(mesh.points, mesh.tets)
-    assert found["bad"] <= heard[0][2]
+    assert found.bad <= heard[0][2]
     check_valid(found)
 
 
 def test_a_listener_that_says_nothing_does_not_stop_it():
-    assert not search(jittered_cube(3, 4), passes=1, kicks=0, progress=lambda *_: None)["stopped"]
+    assert not search(jittered_cube(3, 4), passes=1, kicks=0, progress=lambda *_: None).stopped
 
 
 def test_an_exception_in_progress_comes_through():
@@ -177,7 +185,7 @@ def test_without_flips_and_splits_boundary_facets_stay():
     mesh = jittered_cube(3, 5)
     found = search(mesh, pinned=True, flip_surface=False, split_surface=False)
     check_valid(found)
-    assert places(found["points"], found["facets"]) == places(mesh.points, mesh.topology.boundary)
+    assert places(found.mesh.points, found.mesh.facets) == places(mesh.points, mesh.topology.boundary)
 
 
 @pytest.mark.parametrize(
@@ -192,8 +200,8 @@ def test_without_flips_and_splits_boundary_facets_stay():
         ({"size": np.zeros(64)}, "size holds 0.0+; it must be positive"),
         ({"facets": np.zeros((0, 3), dtype=np.int64)}, "facet_patch has length"),
         ({"creases": np.array([[0, 64]])}, "creases names point 64"),
-        ({"surface_triangles": np.array([[0, 1, 64]])}, "surface_triangles names point 64"),
-        ({"surface_segments": np.zeros((2, 3), dtype=np.int64)}, "surface_segments has shape"),
+        ({"surface_triangles": np.array([[0, 1, 64]])}, "triangles names point 64"),
+        ({"surface_segments": np.zeros((2, 3), dtype=np.int64)}, "segments has shape"),
     ],
 )
 def test_bad_arrays_are_refused(change, message):
@@ -203,8 +211,8 @@ def test_bad_arrays_are_refused(change, message):
 
 def test_a_missing_boundary_facet_and_inverted_tets_are_refused():
     mesh = jittered_cube(3, 6)
-    given = arguments(mesh)
-    less = {"facets": given["facets"][1:], "facet_patch": given["facet_patch"][1:]}
+    given, _ = arguments(mesh)
+    less = {"facets": given.facets[1:], "facet_patch": given.facet_patch[1:]}
     with pytest.raises(ValueError, match=r"facets: boundary facet \(.*\) is missing"):
         search(mesh, change=less)
     with pytest.raises(ValueError, match="tet 0 is inverted or flat"):
@@ -226,23 +234,23 @@ def fixed(mesh, **options):
 
 def test_no_kick_is_spent_on_tets_whose_facets_rule_the_goal_out():
     mesh = cylinder(12, 4)  # all its facets are right or obtuse
-    facets = len(arguments(mesh)["facets"])
+    facets = len(arguments(mesh)[0].facets)
     all_out = fixed(mesh, passes=12, kicks=2000, ruled_out=np.arange(facets))
     none_out = fixed(mesh, passes=12, kicks=2000, ruled_out=np.arange(0))
     plain = fixed(mesh, passes=12, kicks=2000)
-    assert 3 * all_out["kicks"] < none_out["kicks"]
-    assert all_out["bad"] == bad(all_out["points"], all_out["tets"]) > 0  # they are counted all the same
-    assert len(all_out["stuck"]) == 0  # no other start would help them
-    assert bad(none_out["points"], none_out["tets"][none_out["stuck"]]) == len(none_out["stuck"]) == none_out["bad"]
-    assert np.array_equal(none_out["points"], plain["points"])
+    assert 3 * all_out.kicks < none_out.kicks
+    assert all_out.bad == bad(all_out.mesh.points, all_out.mesh.tets) > 0  # they are counted all the same
+    assert len(all_out.stuck) == 0  # no other start would help them
+    assert bad(none_out.mesh.points, none_out.mesh.tets[none_out.stuck]) == len(none_out.stuck) == none_out.bad
+    assert np.array_equal(none_out.mesh.points, plain.mesh.points)
 
 
 def test_kicks_stop_where_they_cost_more_than_they_are_worth():
     mesh = ball(3)
     nothing, all_of_it = (fixed(mesh, kicks=2000, worth=worth) for worth in (0.0, np.inf))
-    assert nothing["kicks"] <= 1
-    assert all_of_it["kicks"] > 10
-    assert all_of_it["bad"] < nothing["bad"]
+    assert nothing.kicks <= 1
+    assert all_of_it.kicks > 10
+    assert all_of_it.bad < nothing.bad
 
 
 @pytest.mark.parametrize(
@@ -260,17 +268,20 @@ def test_what_cannot_be_ruled_out_or_worth_is_refused(options, message):
 
 def test_numbers_of_patches_and_curves_may_be_left_out():
     mesh = jittered_cube(3)
-    given = arguments(mesh)
-    shared = given["stratum"] == 1, given["stratum"] == 2
-    apart = given | {
-        "label": np.select(shared, (2 * given["label"] + 1, 3 * given["label"]), given["label"]),
-        **{name: 2 * given[name] + 1 for name in ("facet_patch", "surface_patch")},
-        **{name: 3 * given[name] for name in ("crease_curve", "surface_curve")},
+    given, on = arguments(mesh)
+    shared = given.stratum == 1, given.stratum == 2
+    apart = {
+        "label": np.select(shared, (2 * given.label + 1, 3 * given.label), given.label),
+        "facet_patch": 2 * given.facet_patch + 1,
+        "surface_patch": 2 * on.patch + 1,
+        "surface_sides": NO_SEGMENTS,
+        "crease_curve": 3 * given.crease_curve,
+        "surface_curve": 3 * on.curve,
     }
     plain, found = search(mesh), search(mesh, change=apart)
-    assert np.array_equal(found["points"], plain["points"])
-    assert np.array_equal(found["facet_patch"], 2 * plain["facet_patch"] + 1)
-    assert np.array_equal(found["crease_curve"], 3 * plain["crease_curve"])
+    assert np.array_equal(found.mesh.points, plain.mesh.points)
+    assert np.array_equal(found.mesh.facet_patch, 2 * plain.mesh.facet_patch + 1)
+    assert np.array_equal(found.mesh.crease_curve, 3 * plain.mesh.crease_curve)
     on_none = {"facet_patch": (0, "facet_patch holds 0"), "crease_curve": (1, "crease_curve holds 1")}
     for name, (number, message) in on_none.items():
         wrong = apart[name].copy()
@@ -279,7 +290,7 @@ def test_numbers_of_patches_and_curves_may_be_left_out():
             search(mesh, change=apart | {name: wrong})
     for stratum, number in ((1, 0), (2, 1)):
         wrong = apart["label"].copy()
-        wrong[np.flatnonzero(given["stratum"] == stratum)[0]] = number
+        wrong[np.flatnonzero(given.stratum == stratum)[0]] = number
         with pytest.raises(ValueError, match=f"label holds {number}, of which the surface has no piece"):
             search(mesh, change=apart | {"label": wrong})
 
@@ -296,11 +307,11 @@ def test_an_edge_that_overlapping_tets_have_already_is_not_made_again():
     beside = np.array([[0, 3, 4, 5]])  # reaches into the pair, and has that edge
     assert quality.volumes(points, beside)[0] > 0
     alone = search(TetMesh(points[:5], pair), pinned=True, flip_surface=False, split_surface=False)
-    assert len(alone["tets"]) == 3
+    assert len(alone.mesh.tets) == 3
     found = search(
         TetMesh(points, np.concatenate([pair, beside])), pinned=True, flip_surface=False, split_surface=False
     )
-    assert facet_counts(found["tets"]).max() == 2
+    assert facet_counts(found.mesh.tets).max() == 2
 
 
 def test_a_facet_that_an_overlapping_tet_has_already_is_not_made_again():
@@ -310,11 +321,11 @@ def test_a_facet_that_an_overlapping_tet_has_already_is_not_made_again():
     beside = np.array([[0, 1, 2, 5]])  # reaches through the three, and has that facet
     assert (quality.volumes(points, np.concatenate([three, beside])) > 0).all()
     alone = search(TetMesh(points[:5], three), pinned=True, flip_surface=False, split_surface=False)
-    assert len(alone["tets"]) == 2
+    assert len(alone.mesh.tets) == 2
     found = search(
         TetMesh(points, np.concatenate([three, beside])), pinned=True, flip_surface=False, split_surface=False
     )
-    assert facet_counts(found["tets"]).max() == 2
+    assert facet_counts(found.mesh.tets).max() == 2
 
 
 def ball_with_an_ear():
@@ -326,10 +337,9 @@ def ball_with_an_ear():
     points[[a, b]] *= 0.72
     dented, filled = TetMesh(points, mesh.tets), TetMesh(points, np.vstack([mesh.tets, [ear]]))
     assert (_core.orientation(points, filled.tets) == 1).all()
-    surface = {k: v for k, v in arguments(dented, crease_angle=180.0).items() if k.startswith("surface_")}
+    surface = {f"surface_{name}": values for name, values in vars(arguments(dented, crease_angle=180.0)[1]).items()}
     assert {tuple(sorted((a, b, r))), tuple(sorted((a, b, s)))} <= rows(surface["surface_triangles"])
-    change = arguments(filled, crease_angle=180.0) | surface
-    return filled, change, dented.boundary_surface()
+    return filled, surface, dented.boundary_surface()
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -337,9 +347,10 @@ def test_a_tet_that_fills_a_dent_is_cut_off(seed):
     mesh, change, surface = ball_with_an_ear()
     tolerance = 0.05
     assert measure_deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
-    found = search(mesh, change=change, tolerance=tolerance, seed=seed, passes=1, kicks=0, split_surface=False)
+    asked = {"tolerance": tolerance, "passes": 1, "kicks": 0, "split_surface": False}
+    found = search(mesh, change=change, crease=180.0, seed=seed, **asked)
     check_valid(found)
-    apart = measure_deviation(SurfaceMesh(found["points"], found["facets"]), surface)
+    apart = measure_deviation(SurfaceMesh(found.mesh.points, found.mesh.facets), surface)
     assert max(apart.max_ab, apart.max_ba) < tolerance
 
 
@@ -351,8 +362,7 @@ def test_an_edge_across_a_ridge_is_flipped_onto_it(edge, tops, kicks):
     points = mesh.points.copy()
     points[list(tops)] *= 1.15
     mesh = TetMesh(points, mesh.tets)
-    given = arguments(mesh, crease_angle=180.0)
-    triangles = given["surface_triangles"].copy()
+    triangles = arguments(mesh, crease_angle=180.0)[1].triangles.copy()
     for triangle in triangles:  # turned where they meet along the edge, so that they meet along the ridge
         if set(edge) <= set(triangle):
             i = int(np.flatnonzero(np.isin(triangle, tops))[0])
@@ -362,8 +372,8 @@ def test_an_edge_across_a_ridge_is_flipped_onto_it(edge, tops, kicks):
     assert first @ second < np.cos(np.radians(55)) * np.linalg.norm(first) * np.linalg.norm(second)
     tolerance = 0.02
     assert measure_deviation(mesh.boundary_surface(), surface).max_ab > 3 * tolerance
-    change = {"surface_triangles": triangles}
-    found = search(mesh, change=given | change, tolerance=tolerance, passes=1, kicks=kicks, split_surface=False)
+    asked = {"tolerance": tolerance, "passes": 1, "kicks": kicks, "split_surface": False}
+    found = search(mesh, change={"surface_triangles": triangles}, crease=180.0, **asked)
     check_valid(found)
-    apart = measure_deviation(SurfaceMesh(found["points"], found["facets"]), surface)
+    apart = measure_deviation(SurfaceMesh(found.mesh.points, found.mesh.facets), surface)
     assert max(apart.max_ab, apart.max_ba) < tolerance

@@ -279,8 +279,8 @@ def test_creases_by_their_angle_alone_may_be_released_where_the_boundary_moves(m
     mesh = two_region_cube(2)
     asked = {}
 
-    def search(**given):
-        asked[len(asked)] = given["loose"]
+    def search(start, surface, options, progress):
+        asked[len(asked)] = options.loose
         raise KeyboardInterrupt
 
     monkeypatch.setattr(_core, "search_well_centered", search)
@@ -327,11 +327,12 @@ def test_the_output_is_never_worse_than_the_input(monkeypatch):
     mesh, search = jittered_cube(3, 0), _core.search_well_centered
     bad = kuhn_cube(3)  # not one of its tets contains its circumcenter beyond doubt
 
-    def worse(**given):
-        found = search(**given | {"passes": 0, "kicks": 0})
+    def worse(start, surface, options, progress):
+        found = search(start, surface, replace(options, passes=0, kicks=0), progress)
         regions = np.zeros(len(bad.tets), dtype=np.int64)
         none = bad.topology.boundary[:0]
-        return found | {"points": bad.points, "tets": bad.tets, "regions": regions, "facets": none, "stuck": none[:, 0]}
+        made = replace(found.mesh, points=bad.points, tets=bad.tets, regions=regions, facets=none)
+        return replace(found, mesh=made, stuck=none[:, 0])
 
     monkeypatch.setattr(_core, "search_well_centered", worse)
     with pytest.warns(WctWarning, match="nothing better was found"):

@@ -68,7 +68,7 @@ def test_facets_do_not_reach_across_a_notch(degrees, monkeypatch):
 
     def listened(*domain, **asked):
         found = resample(*domain, **asked)
-        intact.append(found["intact"])
+        intact.append(found.intact)
         return found
 
     monkeypatch.setattr(_core, "resample", listened)

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.builders import ball, jittered_cube, shaken_cube
+from support.core_meshes import start
 
 import wct_plugin as wct
-from wct_plugin.core import _core
 from wct_plugin.meshing.reference import own_boundary
 
 TESTS = Path(__file__).parents[1]
@@ -60,22 +60,7 @@ def test_stopped_at_any_call_it_gives_a_sound_mesh(tmp_path, mesh, name, options
 def test_a_start_stopped_before_its_first_round_has_no_tets():
     mesh = jittered_cube(2)
     own = own_boundary(mesh, 40.0)
-    surface = own.strata
-    found = _core.resample(
-        own.points,
-        surface.triangles,
-        surface.patch,
-        surface.segments,
-        surface.curve,
-        own.corners,
-        own.sides,
-        mesh.points,
-        mesh.tets,
-        mesh.regions,
-        1e-3,
-        size=np.full(len(mesh.points), 0.05),
-        progress=lambda done, bad: False,
-    )
-    assert found["stats"]["stopped"]
-    assert not found["intact"]
-    assert len(found["tets"]) == len(found["points"]) == len(found["facets"]) == 0
+    found = start(mesh, own, size=np.full(len(mesh.points), 0.05), progress=lambda done, bad: False)
+    assert found.stats["stopped"]
+    assert not found.intact
+    assert len(found.mesh.tets) == len(found.mesh.points) == len(found.mesh.facets) == 0

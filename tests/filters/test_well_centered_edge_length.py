@@ -108,8 +108,8 @@ def test_a_kept_boundary_is_given_the_edge_length_too(monkeypatch):
     mesh = kuhn_cube(2)
     searched = []
 
-    def search(**given):
-        searched.append(given["size"][given["stratum"] > 0])
+    def search(start, *_):
+        searched.append(start.size[start.stratum > 0])
         raise KeyboardInterrupt
 
     monkeypatch.setattr(_core, "search_well_centered", search)

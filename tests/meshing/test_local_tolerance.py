@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from wct_plugin.core import _core
+from wct_plugin.core.domain import StratifiedSurface
 from wct_plugin.meshing.local_tolerance import describe
 
 
@@ -25,9 +26,8 @@ def _joined(*boxes):
 
 def _local(points, triangles, patch, edges, most, floor=0.0):
     sides = np.tile([0, -1], (patch.max() + 1, 1))
-    return _core.local_tolerance(
-        points, triangles, patch, edges, np.arange(len(edges)), sides, tolerance=most, floor=floor
-    )
+    surface = StratifiedSurface(points, triangles, patch, edges, np.arange(len(edges)), sides)
+    return _core.local_tolerance(surface, tolerance=most, floor=floor)
 
 
 @pytest.mark.parametrize("thickness", [0.02, 0.05])

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from support.builders import regular_tet
 
+from wct_plugin.core.domain import StratifiedMesh
+from wct_plugin.core.results import SearchResult
 from wct_plugin.meshing.restart import PartialRestart, ShorterEdges
 
 
@@ -14,17 +16,24 @@ def test_places_are_kept_and_others_come_with_what_was_wanted_there():
     assert np.array_equal(twice.size, [2.0, 1.0, 3.0])
 
 
-def stuck_in(share: float, count: int = 1000) -> dict[str, np.ndarray]:
+def stuck_in(share: float, count: int = 1000) -> SearchResult:
     """What a search of one tet, repeated, would give, that share of it stuck."""
     tet = regular_tet(2.0)
-    return {
-        "points": tet.points,
-        "tets": np.repeat(tet.tets, count, axis=0),
-        "regions": np.zeros(count, dtype=np.int64),
-        "stratum": np.zeros(4, dtype=np.int8),
-        "label": np.full(4, -1),
-        "stuck": np.arange(round(share * count)),
-    }
+    none = np.empty(0, dtype=np.int64)
+    mesh = StratifiedMesh(
+        points=tet.points,
+        tets=np.repeat(tet.tets, count, axis=0),
+        regions=np.zeros(count, dtype=np.int64),
+        stratum=np.zeros(4, dtype=np.int8),
+        label=np.full(4, -1),
+        size=np.ones(4),
+        facets=none.reshape(0, 3),
+        facet_patch=none,
+        creases=none.reshape(0, 2),
+        crease_curve=none,
+    )
+    stuck = np.arange(round(share * count))
+    return SearchResult(mesh, len(stuck), stuck, 0, 0, 0, 0, stopped=False, released=none)
 
 
 def test_only_a_part_is_made_anew_where_little_of_it_is_stuck():

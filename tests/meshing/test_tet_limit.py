@@ -1,6 +1,7 @@
 """At most so many tets, and how many are expected before there are any."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from support.builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape
@@ -8,6 +9,7 @@ from support.searching import arguments
 
 import wct_plugin as wct
 from wct_plugin.core import _core
+from wct_plugin.core.requests import SearchOptions
 from wct_plugin.errors import WctWarning
 
 
@@ -52,10 +54,10 @@ def test_there_are_never_more_than_allowed(mesh, share):
 def test_starts_made_anew_where_it_is_stuck_keep_to_the_limit(monkeypatch):
     search, given = _core.search_well_centered, []
 
-    def stuck(**arrays):
-        given.append(len(arrays["tets"]))
-        found = search(**{**arrays, "passes": 0, "kicks": 0})
-        assert len(found["tets"]) <= most
+    def stuck(start, surface, options, progress):
+        given.append(len(start.tets))
+        found = search(start, surface, replace(options, passes=0, kicks=0), progress)
+        assert len(found.mesh.tets) <= most
         return found
 
     mesh = kuhn_cube(4)
@@ -74,11 +76,9 @@ def test_starts_made_anew_where_it_is_stuck_keep_to_the_limit(monkeypatch):
 def test_the_search_adds_no_tets_beyond_the_limit():
     mesh = jittered_cube(4)
     for most in (len(mesh.tets), len(mesh.tets) + 7):
-        found = _core.search_well_centered(
-            **arguments(mesh), tolerance=1e-3, acute=True, margin=0.02, flip_surface=True, split_surface=True, passes=3,
-            kicks=50, seed=0, most_tets=most,
-        )  # fmt: skip
-        assert len(found["tets"]) <= most
+        asked = SearchOptions(1e-3, passes=3, kicks=50, most_tets=most)
+        found = _core.search_well_centered(*arguments(mesh), asked)
+        assert len(found.mesh.tets) <= most
 
 
 def test_a_start_that_is_far_too_large_is_not_even_begun():

@@ -1,5 +1,7 @@
 """A fault of a filter is told as one, and never blamed on the mesh that it was given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.builders import jittered_cube, two_region_cube
@@ -12,21 +14,25 @@ from wct_plugin.mesh import Cells, TetMesh
 CUBE = jittered_cube(2)
 
 
+def with_mesh(found, **changes):
+    return replace(found, mesh=replace(found.mesh, **changes))
+
+
 def with_a_facet_of_no_point(found):
     """The core's result as if it had lost a corner of each facet."""
-    facets = found["facets"].copy()
+    facets = found.mesh.facets.copy()
     facets[:, 2] = -1
-    return found | {"facets": facets}
+    return with_mesh(found, facets=facets)
 
 
 def with_points_too_few(found):
     """The core's result as if a point were missing."""
-    return found | {"points": found["points"][:-1]}
+    return with_mesh(found, points=found.mesh.points[:-1])
 
 
 def with_a_patch_too_many(found):
     """The core's result as if it had made a patch up."""
-    return found | {"facet_patch": found["facet_patch"] + 10_000}
+    return with_mesh(found, facet_patch=found.mesh.facet_patch + 10_000)
 
 
 @pytest.fixture
@@ -49,7 +55,7 @@ def sheet():
 )
 def test_a_core_result_that_is_no_mesh_is_an_internal_error(monkeypatch, tmp_path, capsys, sheet, spoil, said):
     search = _core.search_well_centered
-    monkeypatch.setattr(_core, "search_well_centered", lambda **given: spoil(search(**given)))
+    monkeypatch.setattr(_core, "search_well_centered", lambda *given: spoil(search(*given)))
     with pytest.raises(wct.InternalError, match=said):
         wct.apply_filter("meshing_well_centered", sheet, goal="3wc", boundary="fixed")
     wct.write(tmp_path / "in.vtu", sheet)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from wct_plugin.core.domain import StratifiedSurface
+
 
 def box(n, turn=None):
     """A unit cube of n^3 cells of six tets, and its surface in strata; region 1 where x > 1/2 if n is even."""
@@ -32,12 +34,12 @@ def cube_surface(turn=None):
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     segments = np.array([[a, b] for a in range(8) for b in range(a + 1, 8) if (CUBE[a] != CUBE[b]).sum() == 1])
-    return {
-        "surface_points": CUBE if turn is None else CUBE @ turn.T,
-        "triangles": triangles,
-        "patch": np.repeat(np.arange(6), 2),
-        "segments": segments,
-        "curve": np.arange(12),
-        "corners": np.arange(8),
-        "sides": np.tile([0, -1], (6, 1)),
-    }
+    return StratifiedSurface(
+        points=CUBE if turn is None else CUBE @ turn.T,
+        triangles=triangles,
+        patch=np.repeat(np.arange(6), 2),
+        segments=segments,
+        curve=np.arange(12),
+        sides=np.tile([0, -1], (6, 1)),
+        corners=np.arange(8),
+    )

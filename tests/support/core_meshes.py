@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 from wct_plugin.core import _core
+from wct_plugin.core.domain import RegionMesh
+from wct_plugin.core.requests import ResampleOptions
 
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 NO_TRIANGLES = np.zeros((0, 3), dtype=np.int64)
@@ -29,20 +31,14 @@ class Movable:
     curve: NDArray[np.int64]
 
     def arguments(self, *, slide: bool):
-        if slide:
-            return (
-                self.points,
-                self.tets,
-                self.stratum,
-                self.label,
-                self.triangles,
-                self.patch,
-                self.segments,
-                self.curve,
-            )
+        return self.points, self.tets, self if slide else self.pinned
+
+    @property
+    def pinned(self):
+        """The same whose surface stays."""
         stratum = np.where(self.stratum > 0, 3, 0).astype(np.int8)
         label = np.full(len(self.points), -1)
-        return (self.points, self.tets, stratum, label, NO_TRIANGLES, NO_LABELS, NO_SEGMENTS, NO_LABELS)
+        return Movable(self.points, self.tets, stratum, label, NO_TRIANGLES, NO_LABELS, NO_SEGMENTS, NO_LABELS)
 
 
 def positive(points, tets):
@@ -181,19 +177,18 @@ def completely_well_centered(points, tets):
     return well_centered(points, tets) & (cosines(points, tets) > 0).all(axis=1)
 
 
-def start(mesh, own, tolerance=1e-3, **options):
+def sampled(surface, points, tets, tolerance=1e-3, progress=None, **options):
+    """What ``resample`` makes of tets of one region; ``tolerance`` is a length."""
+    mesh = RegionMesh(points, tets, np.zeros(len(tets), dtype=np.int64))
+    return _core.resample(surface, mesh, ResampleOptions(tolerance, **options), progress=progress)
+
+
+def start(mesh, own, tolerance=1e-3, progress=None, threads=0, **options):
     """What ``resample`` makes of a mesh near its boundary ``own``; ``tolerance`` by the diagonal."""
     return _core.resample(
-        own.points,
-        own.strata.triangles,
-        own.strata.patch,
-        own.strata.segments,
-        own.strata.curve,
-        own.corners,
-        own.sides,
-        mesh.points,
-        mesh.tets,
-        np.searchsorted(own.regions, mesh.regions),
-        tolerance * own.diagonal,
-        **options,
+        own.surface,
+        RegionMesh(mesh.points, mesh.tets, np.searchsorted(own.regions, mesh.regions)),
+        ResampleOptions(tolerance * own.diagonal, **options),
+        progress=progress,
+        threads=threads,
     )
