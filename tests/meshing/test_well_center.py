@@ -7,9 +7,9 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from filters.meshing_well_centered import MeshingOptions
 from support.builders import ball, jittered_cube, sphere_surface
 
+from filters.meshing_well_centered import MeshingOptions
 from wct_plugin import apply_filter
 from wct_plugin.errors import OptionError
 from wct_plugin.measure import quality
