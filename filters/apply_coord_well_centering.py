@@ -83,7 +83,7 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
             tolerance=tolerance,
             progress=lambda done, bad: progress(Progress("moving vertices", done, bad)) is not False,
         )
-        moved = replace(mesh, points=unit_scaling.rescaled(points, unit))
+        moved = replace(mesh, points=unit_scaling.rescaled(points, unit), mends=False)
         left = list_remaining(
             moved,
             surface,

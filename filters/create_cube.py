@@ -43,5 +43,5 @@ class CreateCube(FilterStage[CubeOptions]):
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         points, tets = bundled_meshes.load(f"cube_{self.options.variant}")
-        made = with_faces(TetMesh(points * self.options.size, tets))
+        made = with_faces(TetMesh(points * self.options.size, tets, mends=False))
         return made, metrics.metrics(made)

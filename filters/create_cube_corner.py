@@ -31,5 +31,5 @@ class CreateCubeCorner(FilterStage[CubeCornerOptions]):
 
     def run(self, mesh: None, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         points, tets = bundled_meshes.load("cube_corner")
-        made = with_faces(TetMesh(points * self.options.size, tets))
+        made = with_faces(TetMesh(points * self.options.size, tets, mends=False))
         return made, metrics.metrics(made)

@@ -84,7 +84,7 @@ class CreateFromVoxels(FilterStage[VoxelOptions]):
         points *= self._spacing
         names = {SIDES[tag - 1]: (tag, 2) for tag in np.unique(facets.tags).tolist()}
         regions = np.repeat(values, len(cube.tets))
-        made = TetMesh(points, tets, regions, facets, names=names, source=self._source)
+        made = TetMesh(points, tets, regions, facets, names=names, source=self._source, mends=False)
         metrics = {"tets": len(tets), "points": len(points), "voxels": len(cells), "regions": len(np.unique(values))}
         return made, measured | metrics
 

@@ -58,5 +58,5 @@ class CreateTetrahedron(FilterStage[TetrahedronOptions]):
         if self.options.size is not None:
             edges = points[EDGES[:, 1]] - points[EDGES[:, 0]]
             points *= self.options.size / np.linalg.norm(edges, axis=1).max()
-        made = with_faces(TetMesh(points, np.array([[0, 1, 2, 3]])))
+        made = with_faces(TetMesh(points, np.array([[0, 1, 2, 3]]), mends=False))
         return made, metrics.metrics(made)

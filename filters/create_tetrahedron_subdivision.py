@@ -57,7 +57,7 @@ class CreateTetrahedronSubdivision(FilterStage[SubdivisionOptions]):
         points, tets = bundled_meshes.load("tetrahedron_49") if variant == "49" else (_cut(_CUTS[variant]), _EIGHT)
         if self.options.size is not None:
             points = points * (self.options.size / np.linalg.norm(_CORNERS[1] - _CORNERS[0]))
-        made = with_faces(TetMesh(points, tets))
+        made = with_faces(TetMesh(points, tets, mends=False))
         return made, metrics.metrics(made)
 
 

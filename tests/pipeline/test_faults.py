@@ -30,6 +30,20 @@ def with_points_too_few(found):
     return with_mesh(found, points=found.mesh.points[:-1])
 
 
+def with_a_tet_inside_out(found):
+    """The core's result as if a flip had gone wrong."""
+    tets = found.mesh.tets.copy()
+    tets[0] = tets[0][[1, 0, 2, 3]]
+    return with_mesh(found, tets=tets)
+
+
+def with_a_point_left_over(found):
+    """The core's result as if a point had lost its last tet."""
+    sizes = {"stratum": np.int8(0), "label": -1, "size": 1.0}
+    more = {name: np.append(getattr(found.mesh, name), value) for name, value in sizes.items()}
+    return with_mesh(found, points=np.vstack([found.mesh.points, [[0.5, 0.5, 0.5]]]), **more)
+
+
 def with_a_patch_too_many(found):
     """The core's result as if it had made a patch up."""
     return with_mesh(found, facet_patch=found.mesh.facet_patch + 10_000)
@@ -50,6 +64,8 @@ def sheet():
             r"^the filter made no mesh: triangle \d+ is \(.*-1.*\).*; indices must lie in 0\.\.",
         ),
         (with_points_too_few, r"^the filter made no mesh: tet \d+ is .*; indices must lie in 0\.\."),
+        (with_a_tet_inside_out, "^the filter made no mesh: 1 tets are negatively oriented; none may be"),
+        (with_a_point_left_over, "^the filter made no mesh: 1 points are in no tet; none may be"),
         (with_a_patch_too_many, "^IndexError: "),
     ],
 )

@@ -5,7 +5,7 @@ Arrays are float64 / int64, native byte order, C-contiguous and read-only; a mes
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -154,8 +154,8 @@ class TetMesh(Pickled):
     ``element_types`` Abaqus's type of the elements of each kind, where the file was one.
 
     Construction turns negative tets round and drops points no tet uses (data and tags follow); :attr:`repairs` counts
-    both. Raises :class:`wct_plugin.errors.InputError` for NaN, indices out of range, duplicate tets and tets of zero
-    volume.
+    both. With ``mends=False``, as for what the package itself makes, both are faults of who made it. Raises
+    :class:`wct_plugin.errors.InputError` for NaN, indices out of range, duplicate tets and tets of zero volume.
     """
 
     points: Floats
@@ -178,8 +178,9 @@ class TetMesh(Pickled):
     second_order: "SecondOrder | None" = None
     region_name: str = ""
     element_types: Mapping[str, str] = field(default_factory=dict)
+    mends: InitVar[bool] = True
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, mends: bool) -> None:
         points = _rows_of_3(self.points)
         tets = indices(self.tets, "tets")
         if tets.ndim != 2 or tets.shape[1] != 4:
@@ -202,6 +203,9 @@ class TetMesh(Pickled):
         store_mapping(self, "point_sets", checked_sets(self.point_sets, len(points), "point"))
         orphans = int(len(points) - used.sum())
         stray = 0
+        if not mends and (flipped or orphans):
+            what = f"{flipped} tets are negatively oriented" if flipped else f"{orphans} points are in no tet"
+            raise NoMeshError(f"{what}; none may be, of a mesh that was made here")
         if orphans:
             stray = self._drop_orphans(used)
             place = np.cumsum(used) - 1

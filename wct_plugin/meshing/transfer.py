@@ -69,6 +69,7 @@ def carry(old: TetMesh, strata: Strata, new: StratifiedMesh) -> TetMesh:
         second_order=old.second_order,
         region_name=old.region_name,
         element_types=old.element_types,
+        mends=False,
     )
 
 
