@@ -1,6 +1,6 @@
 # make demo   a real surface through fTetWild, well-centered, measured, written
 # make test   the whole suite           make lint   style, types, who imports whom           make bench   ours and the peers side by side
-# make docs   docs/filters.md from the filters' declarations, the stub of the core from its docstrings
+# make docs   the site in build/site; docs/filters.md and the stub of the core, made from declarations and docstrings
 # Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
 
 PYTHON ?= python3
@@ -40,6 +40,7 @@ lint: $(VENV)/.test
 docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md
 	$(BIN)/python -m nanobind.stubgen -q -m wct_plugin.core._core -o wct_plugin/core/_core.pyi
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 # make bench [MESHES=folder] [SURFACES=folder of surfaces with the meshes' names] [TIMEOUT=seconds per tool and mesh]
 #            [MOST=tets at which the growth curve stops]: kernels.md, bench.md, reading.md, growth.md in build/bench
