@@ -1,5 +1,7 @@
 #include "search/vertex_descent.h"
 
+#include "energy/bfgs3.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -7,9 +9,20 @@ namespace wct::search {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Of steps, in mean distances to the neighbours: the first along the gradient, the longest, and what is no step.
+constexpr double kFirst = 0.1;
+constexpr double kLongest = 0.3;
+constexpr double kShortest = 1e-6;
+/// Energy that a move by the mean distance to the neighbours would gain at most where the vertex rests.
+constexpr double kLevel = 1e-9;
+/// Share of the energy at the start that the last step must have gained for another.
+constexpr double kWorth = 1e-5;
+/// What a step must gain of what the slope at its start promises (Armijo 1966).
+constexpr double kSufficient = 1e-4;
+constexpr int kTrials = 7;       // of shorter and shorter steps
+constexpr double kShorter = 0.3; // what a step that fails is shortened to
 /// Where the surface refuses so many steps of one line search, shorter ones would gain little for what asking costs.
 constexpr int kRefusals = 3;
-constexpr double kShorter = 0.3; // what a step that fails is shortened to
 /// What a step along the surface must have of the slope of one that leaves it.
 constexpr double kSlide = 0.1;
 
@@ -26,136 +39,126 @@ bool StarDescent::settle(int v, const Vec3 &x) {
     return true;
 }
 
-bool StarDescent::relax(int v, int steps) {
-    const Vertex &vertex = complex_.vertex(v);
-    if (!movable(v) || !complex_.used(v))
-        return false;
+double StarDescent::neighbour_distance(int v) const {
+    double sum = 0.0;
+    for (int t : complex_.star(v))
+        for (int w : complex_.tet(t))
+            sum += norm(complex_.point(w) - complex_.point(v));
+    return sum / (3.0 * static_cast<double>(complex_.star(v).size()));
+}
+
+void StarDescent::add_watched(Place &place) const {
+    const double weight = energy_.form().over_weight;
+    Vec3 pull;
+    place.energy += weight * watch_.cost(&pull);
+    place.gradient += weight * pull;
+}
+
+bool StarDescent::start(int v, std::int32_t &hint, Place &place) {
     double stored = 0.0;
     for (int t : complex_.star(v))
         stored += complex_.energy(t);
     if (stored <= 0.0)
         return false;
     energy_.gather(complex_, v, star_);
-    Vec3 x = vertex.position;
-    Vec3 gradient;
-    double start = energy_.at(star_, x, &gradient);
-    const bool surface = vertex.stratum != Stratum::interior;
-    const double over_weight = energy_.form().over_weight;
-    Freedom freedom;
-    std::int32_t hint = vertex.hint;
-    if (surface) {
-        Vec3 place = x;
-        if (!guide_.admit(vertex, place, &freedom, hint))
+    const Vertex &vertex = complex_.vertex(v);
+    place.x = vertex.position;
+    place.energy = energy_.at(star_, place.x, &place.gradient);
+    if (vertex.stratum != Stratum::interior) {
+        Vec3 admitted = place.x;
+        if (!guide_.admit(vertex, admitted, &place.freedom, hint))
             return false;
         watch_.gather(v);
-        Vec3 pull;
-        start += over_weight * watch_.cost(&pull);
-        gradient = freedom.of(gradient + over_weight * pull);
+        add_watched(place);
+        place.gradient = place.freedom.of(place.gradient);
     }
-    if (start <= 0.0 || start == kInfinity)
-        return false;
-    double length = 0.0; // mean distance to the neighbours, each as often as tets share it
-    for (int t : complex_.star(v))
-        for (int w : complex_.tet(t))
-            length += norm(complex_.point(w) - x);
-    length /= 3.0 * static_cast<double>(complex_.star(v).size());
+    return place.energy > 0.0 && place.energy < kInfinity;
+}
 
-    const double steepness = norm(gradient);
-    if (steepness * length < 1e-9)
+bool StarDescent::slide(const Vec3 &gradient, Vec3 &d, double &slope) const {
+    const Vec3 normal = watch_.normal();
+    const Vec3 along = d - dot(d, normal) * normal;
+    const double left = dot(along, gradient);
+    if (!(left < kSlide * slope))
         return false;
-    double h[3][3] = {};
-    for (int i = 0; i < 3; ++i)
-        h[i][i] = 0.1 * length / steepness;
-    const auto times = [&h](const Vec3 &g) {
-        return Vec3{h[0][0] * g.x + h[0][1] * g.y + h[0][2] * g.z, h[1][0] * g.x + h[1][1] * g.y + h[1][2] * g.z,
-                    h[2][0] * g.x + h[2][1] * g.y + h[2][2] * g.z};
-    };
-    double current = start;
-    for (int step = 0; step < steps && current > 0.0; ++step) {
-        Vec3 d = freedom.of(-1.0 * times(gradient));
-        double slope = dot(d, gradient);
-        const double reach = norm(d);
-        if (slope >= 0.0 || reach < 1e-6 * length)
-            break;
-        double t = reach > 0.3 * length ? 0.3 * length / reach : 1.0;
-        bool moved = false;
-        int refused = 0;
-        Vec3 next, next_gradient;
-        Freedom next_freedom;
-        double next_energy = kInfinity;
-        for (int trial = 0; trial < 7 && !moved; ++trial, t *= kShorter) {
-            next = x + t * d;
-            if (surface && !guide_.admit(vertex, next, &next_freedom, hint))
-                continue;
-            const double limit = current + 1e-4 * t * slope;
-            next_energy = energy_.at(star_, next, &next_gradient, limit);
-            if (next_energy > limit)
-                continue;
-            if (surface && !watch_.allows(next)) {
-                if (++refused == kRefusals)
-                    break;
-                // Mostly the tolerance is in the way: a step along the surface may gain as much.
-                if (refused == 1 && freedom.kind == Freedom::Kind::space) {
-                    const Vec3 normal = watch_.normal();
-                    const Vec3 along = d - dot(d, normal) * normal;
-                    if (const double left = dot(along, gradient); left < kSlide * slope) {
-                        d = along;
-                        slope = left;
-                        t /= kShorter; // the next trial takes as long a step
-                    }
-                }
-                continue;
-            }
-            if (surface) {
-                Vec3 pull;
-                next_energy += over_weight * watch_.cost(&pull);
-                next_gradient += over_weight * pull;
-            }
-            moved = next_energy <= limit;
+    d = along;
+    slope = left;
+    return true;
+}
+
+bool StarDescent::step_down(const Vertex &vertex, const Place &from, Vec3 d, double length, std::int32_t &hint,
+                            Place &to) {
+    double slope = dot(d, from.gradient);
+    const double reach = norm(d);
+    if (slope >= 0.0 || reach < kShortest * length)
+        return false;
+    const bool surface = vertex.stratum != Stratum::interior;
+    double t = reach > kLongest * length ? kLongest * length / reach : 1.0;
+    int refused = 0;
+    for (int trial = 0; trial < kTrials; ++trial, t *= kShorter) {
+        to.x = from.x + t * d;
+        if (surface && !guide_.admit(vertex, to.x, &to.freedom, hint))
+            continue;
+        const double limit = from.energy + kSufficient * t * slope;
+        to.energy = energy_.at(star_, to.x, &to.gradient, limit);
+        if (to.energy > limit)
+            continue;
+        if (surface && !watch_.allows(to.x)) {
+            if (++refused == kRefusals)
+                return false;
+            // Mostly the tolerance is in the way: a step along the surface may gain as much.
+            if (refused == 1 && from.freedom.kind == Freedom::Kind::space && slide(from.gradient, d, slope))
+                t /= kShorter; // the next trial takes as long a step
+            continue;
         }
-        if (!moved)
-            break;
-        freedom = next_freedom;
-        next_gradient = freedom.of(next_gradient);
-        const Vec3 s = next - x;
-        const Vec3 y = next_gradient - gradient;
-        const double sy = dot(s, y);
-        const double yy = dot(y, y);
-        const double drop = current - next_energy;
-        current = next_energy;
-        x = next;
-        gradient = next_gradient;
-        if (sy > 1e-14 * yy && sy > 0.0) {
-            if (step == 0)
-                for (int i = 0; i < 3; ++i)
-                    for (int j = 0; j < 3; ++j)
-                        h[i][j] = i == j ? sy / yy : 0.0;
-            const double rho = 1.0 / sy;
-            const Vec3 hy = times(y);
-            const double curvature = (1.0 + dot(y, hy) * rho) * rho;
-            const double sa[3] = {s.x, s.y, s.z};
-            const double ha[3] = {hy.x, hy.y, hy.z};
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j)
-                    h[i][j] += curvature * sa[i] * sa[j] - rho * (ha[i] * sa[j] + sa[i] * ha[j]);
+        if (surface)
+            add_watched(to);
+        if (to.energy <= limit) {
+            to.gradient = to.freedom.of(to.gradient);
+            return true;
         }
-        if (drop < 1e-5 * start)
+    }
+    return false;
+}
+
+bool StarDescent::relax(int v, int steps) {
+    const Vertex &vertex = complex_.vertex(v);
+    std::int32_t hint = vertex.hint;
+    Place at;
+    if (!movable(v) || !complex_.used(v) || !start(v, hint, at))
+        return false;
+    const double length = neighbour_distance(v);
+    const double steepness = norm(at.gradient);
+    if (steepness * length < kLevel)
+        return false;
+    const double before = at.energy;
+    energy::InverseHessian3 inverse(kFirst * length / steepness);
+    for (int step = 0; step < steps && at.energy > 0.0; ++step) {
+        Place next;
+        if (!step_down(vertex, at, at.freedom.of(-1.0 * (inverse * at.gradient)), length, hint, next))
+            break;
+        inverse.learn(next.x - at.x, next.gradient - at.gradient, step == 0);
+        const double drop = at.energy - next.energy;
+        at = next;
+        if (drop < kWorth * before)
             break;
     }
     complex_.set_hint(v, hint);
-    return current < start && settle(v, x);
+    return at.energy < before && settle(v, at.x);
 }
 
 bool StarDescent::nudge(int v, const Vec3 &x) {
     const Vertex &vertex = complex_.vertex(v);
     if (!movable(v) || !complex_.used(v))
         return false;
+    constexpr int trials = 3;
+    constexpr double shorter = 0.4; // what a step that is refused is shortened to
     const bool surface = vertex.stratum != Stratum::interior;
     if (surface)
         watch_.gather(v);
     energy_.gather(complex_, v, star_);
     Vec3 step = x - vertex.position;
-    for (int trial = 0; trial < 3; ++trial, step = 0.4 * step) {
+    for (int trial = 0; trial < trials; ++trial, step = shorter * step) {
         Vec3 place = vertex.position + step;
         if (surface && !guide_.admit(vertex, place))
             continue;
