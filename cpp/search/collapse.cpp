@@ -48,29 +48,22 @@ bool Operators::collapse_links(int a, int b, const Ring &ring) const {
     return shared.size() == at_edge;
 }
 
-bool Operators::collapse(int a, int b, double slack) {
+bool Operators::collapses_along_surface(int a, int b) {
     const Vertex &gone = complex_.vertex(a);
-    if (gone.stratum == Stratum::corner)
+    if (gone.stratum == Stratum::crease && complex_.curve_of(a, b) != gone.label)
         return false;
-    std::vector<TetComplex::SurfaceAt> facets;
-    if (gone.stratum != Stratum::interior) {
-        if (gone.stratum == Stratum::crease && complex_.curve_of(a, b) != gone.label)
-            return false;
-        if (complex_.vertex(b).stratum < gone.stratum || !ring(a, b, ring_))
-            return false;
-        const bool along =
-            std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
-        if (!along || !collapse_links(a, b, ring_))
-            return false;
-        complex_.surface_at(a, facets);
-    }
-    const std::vector<int> old = complex_.star(a);
-    double before = 0.0;
+    if (complex_.vertex(b).stratum < gone.stratum || !ring(a, b, ring_))
+        return false;
+    const bool along =
+        std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
+    return along && collapse_links(a, b, ring_);
+}
+
+bool Operators::pull_tets(int a, int b) {
     candidates_.clear();
     regions_.clear();
     const double reach = longest * complex_.vertex(b).size;
-    for (int t : old) {
-        before += complex_.energy(t);
+    for (int t : complex_.star(a)) {
         if (complex_.has(t, b))
             continue;
         Tet tet = complex_.tet(t);
@@ -83,60 +76,70 @@ bool Operators::collapse(int a, int b, double slack) {
         candidates_.push_back(tet);
         regions_.push_back(complex_.region(t));
     }
-    if (candidates_.empty())
-        return false;
-    if (!candidates_below(before + slack) || !candidates_fit(old))
-        return false;
-    if (gone.stratum == Stratum::interior && (!ring(a, b, ring_) || !collapse_links(a, b, ring_)))
-        return false; // only where the mesh overlaps itself can this be, with all tets positive
-    watch_.clear();
-    for (const auto &at : facets) {
+    return !candidates_.empty();
+}
+
+bool Operators::pull_facets(int a, int b) {
+    constexpr double turn = 0.8; // cosine of the angle by which a facet may turn
+    complex_.surface_at(a, facets_);
+    for (const auto &at : facets_) {
         Facet facet = at.key;
         watch_.goes(facet);
         if (facet[0] == b || facet[1] == b || facet[2] == b)
             continue;
-        const Vec3 was = cross(complex_.point(facet[1]) - complex_.point(facet[0]),
-                               complex_.point(facet[2]) - complex_.point(facet[0]));
+        const Vec3 was = normal_of(complex_.corners(facet));
         std::replace(facet.begin(), facet.end(), a, b);
-        const Vec3 &p = complex_.point(facet[0]), &q = complex_.point(facet[1]), &r = complex_.point(facet[2]);
-        const Vec3 is = cross(q - p, r - p);
-        if (dot(was, is) < 0.8 * norm(was) * norm(is))
+        const Vec3 is = normal_of(complex_.corners(facet));
+        if (dot(was, is) < turn * norm(was) * norm(is))
             return false;
         if (complex_.patch_of(facet[0], facet[1], facet[2]) >= 0)
             return false; // two sheets would become one
         watch_.comes(sorted(facet[0], facet[1], facet[2]), at.facet->patch);
     }
-    if (!watch_.allows_replacing())
+    return true;
+}
+
+std::optional<Edge> Operators::join_creases(int a, int b) const {
+    std::optional<Edge> joined;
+    for (int t : complex_.star(a))
+        for (int v : complex_.tet(t))
+            if (v != a && v != b && complex_.curve_of(a, v) >= 0) {
+                if (joined && *joined != sorted(b, v))
+                    return std::nullopt; // other creases meet at a: their edges would be left without it
+                joined = sorted(b, v);
+            }
+    if (!joined || complex_.curve_of((*joined)[0], (*joined)[1]) >= 0 ||
+        !guide_.allows_crease(complex_.vertex(a).label, complex_.point((*joined)[0]), complex_.point((*joined)[1])))
+        return std::nullopt;
+    return joined;
+}
+
+bool Operators::collapse(int a, int b, double slack) {
+    const Stratum stratum = complex_.vertex(a).stratum;
+    const int curve = complex_.vertex(a).label;
+    if (stratum == Stratum::corner || (stratum != Stratum::interior && !collapses_along_surface(a, b)))
         return false;
-    Edge joined{-1, -1};
-    if (gone.stratum == Stratum::crease) { // its two crease edges a-b and a-w become b-w
-        for (int t : old)
-            for (int v : complex_.tet(t))
-                if (v != a && v != b && complex_.curve_of(a, v) >= 0) {
-                    if (joined[0] >= 0 && joined != sorted(b, v))
-                        return false; // other creases meet at a: their edges would be left without it
-                    joined = sorted(b, v);
-                }
-        if (joined[0] < 0 || complex_.curve_of(joined[0], joined[1]) >= 0 ||
-            !guide_.allows_crease(gone.label, complex_.point(joined[0]), complex_.point(joined[1])))
-            return false;
-    }
-    const int curve = gone.label;
+    const std::vector<int> old = complex_.star(a);
+    if (!pull_tets(a, b) || !candidates_below(sum_of(old) + slack) || !candidates_fit(old))
+        return false;
+    if (stratum == Stratum::interior && (!ring(a, b, ring_) || !collapse_links(a, b, ring_)))
+        return false; // only where the mesh overlaps itself can this be, with all tets positive
+    watch_.clear();
+    if (!pull_facets(a, b) || !watch_.allows_replacing())
+        return false;
+    std::optional<Edge> joined;
+    if (stratum == Stratum::crease && !(joined = join_creases(a, b)))
+        return false;
     if (watch_.replace())
         energy_.of(complex_, candidates_, energies_.data());
-    for (int t : old)
-        complex_.remove_tet(t);
-    for (std::size_t k = 0; k < candidates_.size(); ++k)
-        complex_.add_tet(candidates_[k], regions_[k], energies_[k]);
-    if (joined[0] >= 0) {
+    replace_tets(old);
+    if (joined) {
         complex_.remove_crease(sorted(a, b));
-        complex_.remove_crease(sorted(a, joined[0] == b ? joined[1] : joined[0]));
-        complex_.add_crease(joined, curve);
+        complex_.remove_crease(sorted(a, (*joined)[0] == b ? (*joined)[1] : (*joined)[0]));
+        complex_.add_crease(*joined, curve);
     }
     touch(b);
-    for (const Tet &tet : candidates_)
-        for (int v : tet)
-            touch(v);
+    touch_candidates();
     return true;
 }
 

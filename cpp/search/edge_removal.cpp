@@ -10,59 +10,40 @@ namespace wct::search {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLargestRing = 9;
+/// Cosine of the angle between two facets up to which they are swapped, and where one of them is beyond the tolerance:
+/// at the bottom of a slot the right facets turn by much.
+constexpr double kTurn = 0.8;
+constexpr double kTurnBeyond = 0.3;
 } // namespace
 
-/// The cheapest way to fill a fan without its edge a-b, if that costs less than `limit`. No energy is negative: a
-/// triangle that costs `limit` by itself is in no such plan, and every plan has a triangle on the polygon's closing
-/// edge. Those are measured first, and mostly that is the end of it.
-bool Operators::plan(Fan &fan, int a, int b, double limit) {
-    const int n = static_cast<int>(fan.polygon.size());
+void Operators::add_triangles(const Fan &fan, int a, int b, int i, int j) {
     const std::vector<int> &p = fan.polygon;
-    const auto at = [n](int i, int k, int j) { return (i * n + k) * n + j; };
-    fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
-    fan.wanted.assign(static_cast<std::size_t>(n) * n, 0);
+    for (int k = i + 1; k < j; ++k) {
+        const Tet below{p[i], p[k], p[j], b}, above{p[j], p[k], p[i], a};
+        if (!SearchEnergy::positive(complex_, below) || !SearchEnergy::positive(complex_, above))
+            continue;
+        candidates_.push_back(below);
+        candidates_.push_back(above);
+        pairs_.push_back(fan.triangle(i, k, j));
+    }
+}
+
+bool Operators::measure_triangles(Fan &fan, double limit) {
+    energies_.resize(candidates_.size());
+    energy_.of(complex_, candidates_, energies_.data());
+    bool any = false;
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+        const double energy = energies_[2 * k] + energies_[2 * k + 1];
+        any = any || energy < limit;
+        fan.pair[pairs_[k]] = energy < limit ? energy : kInfinity;
+    }
     candidates_.clear();
     pairs_.clear();
-    const auto add_triangles = [&](int i, int j) {
-        for (int k = i + 1; k < j; ++k) {
-            const Tet below{p[i], p[k], p[j], b}, above{p[j], p[k], p[i], a};
-            if (!SearchEnergy::positive(complex_, below) || !SearchEnergy::positive(complex_, above))
-                continue;
-            candidates_.push_back(below);
-            candidates_.push_back(above);
-            pairs_.push_back(at(i, k, j));
-        }
-    };
-    const auto measure = [&] {
-        energies_.resize(candidates_.size());
-        energy_.of(complex_, candidates_, energies_.data());
-        bool any = false;
-        for (std::size_t k = 0; k < pairs_.size(); ++k) {
-            const double energy = energies_[2 * k] + energies_[2 * k + 1];
-            any = any || energy < limit;
-            fan.pair[pairs_[k]] = energy < limit ? energy : kInfinity;
-        }
-        candidates_.clear();
-        pairs_.clear();
-        return any;
-    };
-    add_triangles(0, n - 1);
-    if (!measure())
-        return false;
-    for (int k = 1; k < n - 1; ++k)
-        if (fan.pair[at(0, k, n - 1)] < kInfinity)
-            fan.wanted[k] = fan.wanted[k * n + n - 1] = 1;
-    for (int length = n - 2; length >= 2; --length)
-        for (int i = 0; i + length < n; ++i) {
-            const int j = i + length;
-            if (!fan.wanted[i * n + j])
-                continue;
-            add_triangles(i, j);
-            for (int k = i + 1; k < j; ++k)
-                fan.wanted[i * n + k] = fan.wanted[k * n + j] = 1;
-        }
-    measure();
-    // cost[i][j]: cheapest triangulation of p[i..j], with its edge i-j closing it
+    return any;
+}
+
+double Operators::choose_triangles(Fan &fan) {
+    const int n = fan.corners();
     fan.cost.assign(static_cast<std::size_t>(n) * n, 0.0);
     fan.choice.assign(static_cast<std::size_t>(n) * n, -1);
     for (int length = 2; length < n; ++length)
@@ -70,7 +51,7 @@ bool Operators::plan(Fan &fan, int a, int b, double limit) {
             const int j = i + length;
             double best = kInfinity;
             for (int k = i + 1; k < j; ++k) {
-                const double cost = fan.cost[i * n + k] + fan.cost[k * n + j] + fan.pair[at(i, k, j)];
+                const double cost = fan.cost[i * n + k] + fan.cost[k * n + j] + fan.pair[fan.triangle(i, k, j)];
                 if (cost < best) {
                     best = cost;
                     fan.choice[i * n + j] = k;
@@ -78,12 +59,39 @@ bool Operators::plan(Fan &fan, int a, int b, double limit) {
             }
             fan.cost[i * n + j] = best;
         }
-    return fan.cost[n - 1] < limit;
+    return fan.cost[n - 1];
+}
+
+/// No energy is negative: a triangle that costs `limit` by itself is in no such plan, and every plan has a triangle on
+/// the polygon's closing edge. Those are measured first, and mostly that is the end of it.
+bool Operators::plan(Fan &fan, int a, int b, double limit) {
+    const int n = fan.corners();
+    fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
+    fan.wanted.assign(static_cast<std::size_t>(n) * n, 0);
+    candidates_.clear();
+    pairs_.clear();
+    add_triangles(fan, a, b, 0, n - 1);
+    if (!measure_triangles(fan, limit))
+        return false;
+    for (int k = 1; k < n - 1; ++k)
+        if (fan.pair[fan.triangle(0, k, n - 1)] < kInfinity)
+            fan.wanted[k] = fan.wanted[k * n + n - 1] = 1;
+    for (int length = n - 2; length >= 2; --length)
+        for (int i = 0; i + length < n; ++i) {
+            const int j = i + length;
+            if (!fan.wanted[i * n + j])
+                continue;
+            add_triangles(fan, a, b, i, j);
+            for (int k = i + 1; k < j; ++k)
+                fan.wanted[i * n + k] = fan.wanted[k * n + j] = 1;
+        }
+    measure_triangles(fan, limit);
+    return choose_triangles(fan) < limit;
 }
 
 /// The triangles (i, k, j) of the planned triangulation of a fan's polygon.
 template <class Visit> void Operators::each_triangle(const Fan &fan, const Visit &visit) {
-    const int n = static_cast<int>(fan.polygon.size());
+    const int n = fan.corners();
     Edge stack[2 * kLargestRing];
     int top = 0;
     stack[top++] = {0, n - 1};
@@ -153,7 +161,7 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
     const Vec3 &pa = complex_.point(a), &pb = complex_.point(b), &pr = complex_.point(r), &ps = complex_.point(s);
     const Vec3 first = cross(pr - pa, ps - pa);
     const Vec3 second = cross(ps - pb, pr - pb);
-    const double turn = beyond(a, b, r, s) ? 0.3 : 0.8; // at the bottom of a slot the right facets turn by much
+    const double turn = beyond(a, b, r, s) ? kTurnBeyond : kTurn;
     if (dot(first, second) < turn * norm(first) * norm(second))
         return false;
     return allows_swap(a, b, r, s, patch);
@@ -182,79 +190,84 @@ bool Operators::cut_ear(int a, int b, double slack) {
     return true;
 }
 
-bool Operators::remove_edge(int a, int b, double slack) {
-    if (complex_.curve_of(a, b) >= 0 || !ring(a, b, ring_))
-        return false;
-    const int n = static_cast<int>(ring_.link.size());
-    if (n == 2)
-        return !ring_.closed && cut_ear(a, b, slack);
-    if (n > 2 * kLargestRing)
-        return false;
-    int patch = -1;
-    int second = -1; // where the other surface facet stands in a closed ring
-    int facets = 0;
-    if (complex_.vertex(a).stratum != Stratum::interior && complex_.vertex(b).stratum != Stratum::interior)
-        for (int k = 0; k < n; ++k) {
-            const int here = complex_.patch_of(a, b, ring_.link[k]);
-            if (here < 0)
-                continue;
-            if (facets++ == 0)
-                patch = here;
-            else if (here != patch)
-                return false;
-            second = k;
-        }
-    if (facets != 0 && (facets != 2 || !flip_surface || fixes(patch)))
-        return false;
-    if (!ring_.closed && facets != 2)
-        return false;
-    int fans = 1;
-    if (ring_.closed && facets == 2) { // an interface: both of its sides are fans between the same two facets
-        fans = 2;
-        fans_[0].polygon.assign(ring_.link.begin(), ring_.link.begin() + second + 1);
-        fans_[0].tets.assign(ring_.tets.begin(), ring_.tets.begin() + second);
-        fans_[1].polygon.assign(ring_.link.begin() + second, ring_.link.end());
-        fans_[1].polygon.push_back(ring_.link[0]);
-        fans_[1].tets.assign(ring_.tets.begin() + second, ring_.tets.end());
-    } else {
+bool Operators::find_edge_facets(int a, int b, EdgeFacets &facets) const {
+    if (complex_.vertex(a).stratum == Stratum::interior || complex_.vertex(b).stratum == Stratum::interior)
+        return ring_.closed;
+    for (int k = 0; k < static_cast<int>(ring_.link.size()); ++k) {
+        const int here = complex_.patch_of(a, b, ring_.link[k]);
+        if (here < 0)
+            continue;
+        if (facets.count++ == 0)
+            facets.patch = here;
+        else if (here != facets.patch)
+            return false;
+        facets.last = k;
+    }
+    if (facets.count == 0)
+        return ring_.closed;
+    return facets.count == 2 && flip_surface && !fixes(facets.patch);
+}
+
+std::size_t Operators::cut_fans(const EdgeFacets &facets) {
+    if (!ring_.closed || facets.count == 0) {
         fans_[0].polygon = ring_.link;
         fans_[0].tets = ring_.tets;
+        return 1;
     }
-    const int r = fans_[0].polygon.front();
-    const int s = fans_[0].polygon.back();
-    double before = 0.0;
-    for (int t : ring_.tets)
-        before += complex_.energy(t);
-    double after = 0.0;
+    const int second = facets.last; // the first facet is where the ring starts
+    fans_[0].polygon.assign(ring_.link.begin(), ring_.link.begin() + second + 1);
+    fans_[0].tets.assign(ring_.tets.begin(), ring_.tets.begin() + second);
+    fans_[1].polygon.assign(ring_.link.begin() + second, ring_.link.end());
+    fans_[1].polygon.push_back(ring_.link[0]);
+    fans_[1].tets.assign(ring_.tets.begin() + second, ring_.tets.end());
+    return 2;
+}
+
+bool Operators::plan_all(std::span<Fan> fans, int a, int b, double limit) {
     std::size_t fresh = 0;
-    for (int f = 0; f < fans; ++f) {
-        const std::size_t size = fans_[f].polygon.size();
-        if (size < 3 || size > kLargestRing)
+    for (const Fan &fan : fans) {
+        if (fan.corners() < 3 || fan.corners() > kLargestRing)
             return false;
-        fresh += 2 * (size - 2);
+        fresh += 2 * (fan.polygon.size() - 2);
     }
     if (!has_room(ring_.tets.size(), fresh))
         return false;
-    for (int f = 0; f < fans; ++f) {
-        if (!plan(fans_[f], a, b, before + slack - after))
+    double after = 0.0;
+    for (Fan &fan : fans) {
+        if (!plan(fan, a, b, limit - after))
             return false;
-        after += fans_[f].cost[fans_[f].polygon.size() - 1];
+        after += fan.cost[fan.polygon.size() - 1];
     }
+    return true;
+}
+
+bool Operators::remove_edge(int a, int b, double slack) {
+    if (complex_.curve_of(a, b) >= 0 || !ring(a, b, ring_))
+        return false;
+    const std::size_t n = ring_.link.size();
+    if (n == 2)
+        return !ring_.closed && cut_ear(a, b, slack);
+    EdgeFacets facets;
+    if (n > 2 * kLargestRing || !find_edge_facets(a, b, facets))
+        return false;
+    const std::span fans(fans_, cut_fans(facets));
+    if (!plan_all(fans, a, b, sum_of(ring_.tets) + slack))
+        return false;
     // The one facet between three edges that stay; all others have a new edge, which repeats looks for.
     if (n == 3 && ring_.closed) {
         take_planned(fans_[0], a, b);
         if (!candidates_fit(ring_.tets))
             return false;
     }
-    for (int f = 0; f < fans; ++f)
-        if (repeats(fans_[f]))
-            return false;
-    if (facets == 2 && !flips_surface(a, b, r, s, patch))
+    if (std::any_of(fans.begin(), fans.end(), [this](const Fan &fan) { return repeats(fan); }))
         return false;
-    if (facets == 2)
+    if (facets.count == 2) {
+        if (!flips_surface(a, b, fans_[0].polygon.front(), fans_[0].polygon.back(), facets.patch))
+            return false;
         watch_.replace();
-    for (int f = 0; f < fans; ++f)
-        carry_out(fans_[f], a, b); // measures the energies with the new facets in place
+    }
+    for (const Fan &fan : fans)
+        carry_out(fan, a, b); // measures the energies with the new facets in place
     touch(a);
     touch(b);
     return true;

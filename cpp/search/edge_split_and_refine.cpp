@@ -46,45 +46,28 @@ std::optional<int> Operators::refine(const Facet &key, const Vec3 &peak, double 
     return std::nullopt;
 }
 
-std::optional<int> Operators::split(int a, int b, double slack) {
-    const double size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
-    if (norm(complex_.point(a) - complex_.point(b)) < 2.0 * shortest * size || !fans(a, b, ring_))
-        return std::nullopt;
+std::optional<Vertex> Operators::middle_vertex(int a, int b, const std::vector<SplitFacet> &facets) const {
     Vertex middle;
     middle.position = 0.5 * (complex_.point(a) + complex_.point(b));
-    middle.size = size;
-    std::vector<int> facet_apices;
-    std::vector<int> facet_patches;
-    for (int v : ring_.link) {
-        const int patch = complex_.patch_of(a, b, v);
-        if (patch < 0)
-            continue;
-        if (fixes(patch))
-            return std::nullopt;
-        facet_apices.push_back(v);
-        facet_patches.push_back(patch);
-    }
-    const int curve = complex_.curve_of(a, b);
-    if ((curve >= 0 || !facet_patches.empty()) && !split_surface)
-        return std::nullopt;
-    if (curve >= 0 && fixes_curve(curve))
-        return std::nullopt;
-    if (curve >= 0) {
+    middle.size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
+    if (const int curve = complex_.curve_of(a, b); curve >= 0) {
         middle.stratum = Stratum::crease;
         middle.label = curve;
         middle.needle = std::max(complex_.vertex(a).needle, complex_.vertex(b).needle);
-    } else if (!facet_patches.empty()) {
+    } else if (!facets.empty()) {
         middle.stratum = Stratum::patch;
-        middle.label = facet_patches[0];
-        middle.hint = complex_.facet(sorted(a, b, facet_apices[0])).hints[0];
-    }
-    if (middle.stratum == Stratum::patch)
-        for (int apex : facet_apices)
-            if (const auto peak = farthest(sorted(a, b, apex)))
+        middle.label = facets[0].patch;
+        middle.hint = complex_.facet(sorted(a, b, facets[0].apex)).hints[0];
+        for (const SplitFacet &facet : facets)
+            if (const auto peak = farthest(sorted(a, b, facet.apex)))
                 middle.position = *peak;
+    }
     if (!guide_.admit(middle, middle.position))
         return std::nullopt;
-    const int v = complex_.add_vertex(middle);
+    return middle;
+}
+
+double Operators::halve_tets(int a, int b, int v) {
     double before = 0.0;
     candidates_.clear();
     regions_.clear();
@@ -93,32 +76,54 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         before += complex_.energy(ring_.tets[k]);
         candidates_.push_back({a, v, p, q});
         candidates_.push_back({v, b, p, q});
-        regions_.push_back(complex_.region(ring_.tets[k]));
+        regions_.insert(regions_.end(), 2, complex_.region(ring_.tets[k]));
     }
+    return before;
+}
+
+bool Operators::splits(int a, int b, std::vector<SplitFacet> &facets) const {
+    for (int v : ring_.link)
+        if (const int patch = complex_.patch_of(a, b, v); patch >= 0) {
+            if (fixes(patch))
+                return false;
+            facets.push_back({v, patch});
+        }
+    const int curve = complex_.curve_of(a, b);
+    return (curve < 0 && facets.empty()) || (split_surface && !(curve >= 0 && fixes_curve(curve)));
+}
+
+std::optional<int> Operators::split(int a, int b, double slack) {
+    const double size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
+    if (norm(complex_.point(a) - complex_.point(b)) < 2.0 * shortest * size || !fans(a, b, ring_))
+        return std::nullopt;
+    std::vector<SplitFacet> facets;
+    if (!splits(a, b, facets))
+        return std::nullopt;
+    const auto middle = middle_vertex(a, b, facets);
+    if (!middle)
+        return std::nullopt;
+    const int v = complex_.add_vertex(*middle);
+    const double before = halve_tets(a, b, v);
     if (!has_room(ring_.tets.size(), candidates_.size()) || !candidates_below(before + slack))
         return std::nullopt;
     watch_.clear();
-    for (std::size_t k = 0; k < facet_apices.size(); ++k) {
-        watch_.goes(sorted(a, b, facet_apices[k]));
-        watch_.comes(sorted(a, v, facet_apices[k]), facet_patches[k]);
-        watch_.comes(sorted(v, b, facet_apices[k]), facet_patches[k]);
+    for (const auto &[apex, patch] : facets) {
+        watch_.goes(sorted(a, b, apex));
+        watch_.comes(sorted(a, v, apex), patch);
+        watch_.comes(sorted(v, b, apex), patch);
     }
     if (!watch_.allows_replacing())
         return std::nullopt;
     if (watch_.replace())
         energy_.of(complex_, candidates_, energies_.data());
-    for (int t : ring_.tets)
-        complex_.remove_tet(t);
-    for (std::size_t k = 0; k < candidates_.size(); ++k)
-        complex_.add_tet(candidates_[k], regions_[k / 2], energies_[k]);
-    if (curve >= 0) {
+    replace_tets(ring_.tets);
+    if (const int curve = complex_.curve_of(a, b); curve >= 0) {
         complex_.remove_crease(sorted(a, b));
         complex_.add_crease(sorted(a, v), curve);
         complex_.add_crease(sorted(v, b), curve);
     }
-    touch(v);
-    touch(a);
-    touch(b);
+    for (int w : {v, a, b})
+        touch(w);
     for (int w : ring_.link)
         touch(w);
     return v;

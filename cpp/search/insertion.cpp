@@ -154,13 +154,8 @@ bool Operators::cone_is_closed(int v, const std::vector<Edge> &rim) const {
 }
 
 void Operators::fill_cavity() {
-    for (int t : cavity_)
-        complex_.remove_tet(t);
-    for (std::size_t k = 0; k < candidates_.size(); ++k)
-        complex_.add_tet(candidates_[k], regions_[k], energies_[k]);
-    for (const Tet &tet : candidates_)
-        for (int w : tet)
-            touch(w);
+    replace_tets(cavity_);
+    touch_candidates();
 }
 
 std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
@@ -178,48 +173,51 @@ std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
     return v;
 }
 
-std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &near, double slack) {
-    const int patch = complex_.patch_of(at[0], at[1], at[2]);
-    if (!split_surface || patch < 0 || fixes(patch))
-        return std::nullopt;
+std::optional<Vertex> Operators::surface_vertex(const Facet &at, const Vec3 &near) const {
     Vertex vertex;
     vertex.position = near;
     vertex.stratum = Stratum::patch;
-    vertex.label = patch;
-    const Facet first = sorted(at[0], at[1], at[2]);
-    vertex.hint = complex_.facet(first).hints[0];
+    vertex.label = complex_.patch_of(at[0], at[1], at[2]);
+    vertex.hint = complex_.facet(sorted(at[0], at[1], at[2])).hints[0];
     for (int w : at)
         vertex.size += complex_.vertex(w).size / 3.0;
     if (!guide_.admit(vertex, vertex.position))
         return std::nullopt;
-    const Vec3 x = vertex.position;
-    // The facets that make room, across edges that are no creases; an edge of one of them only is on their rim.
-    std::vector<Facet> open{first};
+    return vertex;
+}
+
+std::vector<Edge> Operators::grow_opening(const Vec3 &x, int patch, std::vector<Facet> &open) {
     std::vector<Edge> edges;
-    std::vector<TetComplex::SurfaceAt> facets;
     for (std::size_t k = 0; k < open.size(); ++k)
         for (int i = 0; i < 3; ++i) {
             const Edge edge = sorted(open[k][i], open[k][(i + 1) % 3]);
             edges.push_back(edge);
             if (complex_.curve_of(edge[0], edge[1]) >= 0)
                 continue;
-            complex_.surface_at(edge[0], facets);
-            for (const auto &[key, facet] : facets)
+            complex_.surface_at(edge[0], facets_);
+            for (const auto &[key, facet] : facets_)
                 if (facet->patch == patch && std::find(key.begin(), key.end(), edge[1]) != key.end() &&
                     std::find(open.begin(), open.end(), key) == open.end() && in_facet_sphere(complex_.corners(key), x))
                     open.push_back(key);
         }
     std::sort(edges.begin(), edges.end());
-    std::vector<Edge> rim;
+    return edges;
+}
+
+bool Operators::find_rim(const std::vector<Edge> &edges, const std::vector<Facet> &open, std::vector<Edge> &rim) const {
     for (const Edge &edge : edges)
         if (std::count(edges.begin(), edges.end(), edge) == 1)
             rim.push_back(edge);
         else if (complex_.curve_of(edge[0], edge[1]) >= 0)
-            return std::nullopt; // a crease within the patch, all of whose facets would go
+            return false; // a crease within the patch, all of whose facets would go
     for (const Facet &f : open)
         for (int w : f)
             if (std::none_of(rim.begin(), rim.end(), [&](const Edge &e) { return e[0] == w || e[1] == w; }))
-                return std::nullopt; // w would leave the surface
+                return false; // w would leave the surface
+    return true;
+}
+
+void Operators::start_cavity(const std::vector<Facet> &open) {
     cavity_.clear();
     for (const Facet &f : open)
         for (int t : complex_.star(f[0]))
@@ -227,9 +225,24 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
                 cavity_.push_back(t);
     std::sort(cavity_.begin(), cavity_.end());
     cavity_.erase(std::unique(cavity_.begin(), cavity_.end()), cavity_.end());
+}
+
+std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &near, double slack) {
+    const int patch = complex_.patch_of(at[0], at[1], at[2]);
+    if (!split_surface || patch < 0 || fixes(patch))
+        return std::nullopt;
+    const auto vertex = surface_vertex(at, near);
+    if (!vertex)
+        return std::nullopt;
+    const Vec3 x = vertex->position;
+    std::vector<Facet> open{sorted(at[0], at[1], at[2])};
+    std::vector<Edge> rim;
+    if (!find_rim(grow_opening(x, patch, open), open, rim))
+        return std::nullopt;
+    start_cavity(open);
     if (!grow_cavity(x, open))
         return std::nullopt;
-    const int v = complex_.add_vertex(vertex);
+    const int v = complex_.add_vertex(*vertex);
     if (!cone_cavity(v, open, slack) || !cone_is_closed(v, rim))
         return std::nullopt;
     watch_.clear();

@@ -104,6 +104,26 @@ bool Operators::fans(int a, int b, Ring &ring) const {
     return !ring.tets.empty();
 }
 
+double Operators::sum_of(const std::vector<int> &tets) const {
+    double sum = 0.0;
+    for (int t : tets)
+        sum += complex_.energy(t);
+    return sum;
+}
+
+void Operators::replace_tets(const std::vector<int> &gone) {
+    for (int t : gone)
+        complex_.remove_tet(t);
+    for (std::size_t k = 0; k < candidates_.size(); ++k)
+        complex_.add_tet(candidates_[k], regions_[k], energies_[k]);
+}
+
+void Operators::touch_candidates() {
+    for (const Tet &tet : candidates_)
+        for (int v : tet)
+            touch(v);
+}
+
 bool Operators::candidates_below(double limit) {
     energies_.resize(candidates_.size());
     return energy_.below(complex_, candidates_, limit, energies_.data());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace wct::search {
@@ -84,10 +85,33 @@ class Operators {
         std::vector<int> tets;
         std::vector<char> wanted; // whether a plan may have the edge i-j of the polygon
         std::vector<double> pair; // energy of the two tets over triangle (i, k, j) of the polygon
-        std::vector<double> cost;
-        std::vector<int> choice;
+        std::vector<double> cost; // of the cheapest triangulation of the polygon's corners i to j, closed by edge i-j
+        std::vector<int> choice;  // the corner k of its triangle at that edge
+
+        int corners() const { return static_cast<int>(polygon.size()); }
+        int triangle(int i, int k, int j) const { return (i * corners() + k) * corners() + j; }
     };
+    /// Find the cheapest way to fill a fan without its edge a-b; true if it costs less than `limit`.
     bool plan(Fan &fan, int a, int b, double limit);
+    /// Candidates over the triangles on the edge i-j of the polygon, where both of their tets would be positive.
+    void add_triangles(const Fan &fan, int a, int b, int i, int j);
+    /// Measure the candidates, two to a triangle; true if any triangle costs less than `limit`. The others are none.
+    bool measure_triangles(Fan &fan, double limit);
+    /// Klincsek's dynamic program; returns the cost of the whole polygon.
+    static double choose_triangles(Fan &fan);
+    /// The surface facets at an edge: how many, their patch, and where in the link the last one stands.
+    struct EdgeFacets {
+        int count = 0;
+        int patch = -1;
+        int last = -1;
+    };
+    /// Whether the edge may go for what is of the surface at it: nothing, and tets all round, or two facets of one
+    /// patch that may be flipped.
+    bool find_edge_facets(int a, int b, EdgeFacets &facets) const;
+    /// Cut the ring in fans; returns how many. At an interface two: both of its sides are between the same two facets.
+    std::size_t cut_fans(const EdgeFacets &facets);
+    /// Plan the fans; true if they have room and cost less than `limit` together.
+    bool plan_all(std::span<Fan> fans, int a, int b, double limit);
     template <class Visit> static void each_triangle(const Fan &fan, const Visit &visit);
     /// The tets of the plan become the candidates.
     void take_planned(const Fan &fan, int a, int b);
@@ -105,11 +129,45 @@ class Operators {
     bool joined(int a, int b) const;
     /// Whether the planned fan has an edge that is there already.
     bool repeats(const Fan &fan) const;
+    /// Sum of the tets' energies.
+    double sum_of(const std::vector<int> &tets) const;
+    /// Put the candidates, with their regions and energies, in the place of tets.
+    void replace_tets(const std::vector<int> &gone);
+    void touch_candidates();
     /// Measures the candidates; whether they can be and cost less than `limit` together.
     bool candidates_below(double limit);
     /// Whether every facet is of two tets at most once the candidates are there for the tets that go: see joined.
     bool candidates_fit(const std::vector<int> &gone) const;
     bool collapse_links(int a, int b, const Ring &ring) const;
+    /// Whether the surface vertex a may go to b for what they are: along their crease or patch, and not to more
+    /// freedom.
+    bool collapses_along_surface(int a, int b);
+    /// Candidates from the star of a with b in its place; false if there are none, or one is too large.
+    bool pull_tets(int a, int b);
+    /// Tell the watch of the facets at a that go, and come with b in its place; false if one turns too much or is there
+    /// already.
+    bool pull_facets(int a, int b);
+    /// What the two crease edges at a become when it goes to b; empty if the creases do not allow it.
+    std::optional<Edge> join_creases(int a, int b) const;
+    /// A surface facet at an edge that is split: its corner opposite the edge.
+    struct SplitFacet {
+        int apex, patch;
+    };
+    /// Find the surface facets at the edge in the ring; whether it may be split for them and its curve.
+    bool splits(int a, int b, std::vector<SplitFacet> &facets) const;
+    /// A vertex for the middle of the edge, or for where the surface is farthest from the facets at it.
+    std::optional<Vertex> middle_vertex(int a, int b, const std::vector<SplitFacet> &facets) const;
+    /// The halves of the ring's tets become the candidates; returns the energy of the whole ones.
+    double halve_tets(int a, int b, int v);
+    /// A vertex of the facet's patch near x.
+    std::optional<Vertex> surface_vertex(const Facet &at, const Vec3 &near) const;
+    /// Take in the facets round those that are open that make room for x, across edges that are no creases; returns all
+    /// edges of theirs, in order, those between two of them twice.
+    std::vector<Edge> grow_opening(const Vec3 &x, int patch, std::vector<Facet> &open);
+    /// The edges of one open facet only; false if a crease or a vertex would be left without a facet.
+    bool find_rim(const std::vector<Edge> &edges, const std::vector<Facet> &open, std::vector<Edge> &rim) const;
+    /// The tets at the open facets become the cavity.
+    void start_cavity(const std::vector<Facet> &open);
     bool in_circumsphere(int t, const Vec3 &x) const;
     bool in_cavity(int t) const { return std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end(); }
     /// Take in the tets round those of the cavity whose circumspheres contain x, though none across a surface facet,
@@ -136,6 +194,7 @@ class Operators {
     std::vector<int> regions_;
     std::vector<int> pairs_;
     std::vector<int> cavity_;
+    std::vector<TetComplex::SurfaceAt> facets_;
 };
 
 } // namespace wct::search
