@@ -43,6 +43,25 @@ Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
     return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
 }
 
+/// Draw x towards the foot until it is no farther than `reach` from it.
+void pull_to(const Vec3 &foot, double reach, Vec3 &x) {
+    const Vec3 off = x - foot;
+    const double length = norm(off);
+    if (length > reach)
+        x = foot + (reach / length) * off;
+}
+
+/// The same towards the closest point of a patch or curve, which is only found where x is beyond `reach`.
+template <class Tree> void clamp(const Tree &tree, double reach, Vec3 &x, std::int32_t &hint) {
+    const auto near = tree.downhill(x, reach * reach, hint);
+    hint = near.piece;
+    if (near.square <= reach * reach)
+        return;
+    const auto found = tree.closest(x, hint);
+    hint = found.piece;
+    pull_to(found.point, reach, x);
+}
+
 /// The least tolerance at the corners of these segments or triangles.
 template <class Cells> double least_of(const SurfaceGuide::Surface &surface, const Cells &cells, double tolerance) {
     for (const auto &cell : cells)
@@ -200,62 +219,52 @@ void SurfaceGuide::make_landmarks(const Surface &surface, double spacing) {
     }
 }
 
+Freedom SurfaceGuide::admit_on(const Patch &patch, Vec3 &x, std::int32_t &hint) const {
+    if (patch.planar) {
+        x = patch.plane.nearest(x);
+        return {Freedom::Kind::plane, patch.plane.normal()};
+    }
+    if (patch.local.empty()) {
+        clamp(patch.tree, kShell * tolerance_, x, hint);
+        return {};
+    }
+    const auto found = patch.tree.closest(x, hint);
+    hint = found.piece;
+    pull_to(found.point, kShell * patch.local[found.piece], x);
+    return {};
+}
+
+Freedom SurfaceGuide::admit_on(const Curve &curve, Vec3 &x, std::int32_t &hint) const {
+    if (curve.straight) {
+        x = curve.origin + dot(x - curve.origin, curve.direction) * curve.direction;
+        return {Freedom::Kind::line, curve.direction};
+    }
+    if (!curve.plane) {
+        clamp(curve.tree, kTube * curve.tolerance, x, hint);
+        return {};
+    }
+    x = curve.plane->nearest(x);
+    clamp(curve.tree, kRim * curve.tolerance, x, hint);
+    return {Freedom::Kind::plane, curve.plane->normal()};
+}
+
 bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const {
     Freedom left;
-    const auto pull_to = [&](const Vec3 &foot, double reach) {
-        const Vec3 off = x - foot;
-        const double length = norm(off);
-        if (length > reach)
-            x = foot + (reach / length) * off;
-    };
-    const auto clamp = [&](const auto &tree, double reach) {
-        const auto near = tree.downhill(x, reach * reach, hint);
-        hint = near.piece;
-        if (near.square <= reach * reach)
-            return;
-        const auto found = tree.closest(x, hint);
-        hint = found.piece;
-        pull_to(found.point, reach);
-    };
     switch (vertex.stratum) {
     case Stratum::interior:
         break;
-    case Stratum::patch: {
-        const Patch &patch = patches_[vertex.label];
-        if (patch.planar) {
-            x = patch.plane.nearest(x);
-            left = {Freedom::Kind::plane, patch.plane.normal()};
-            break;
-        }
-        if (patch.local.empty()) {
-            clamp(patch.tree, kShell * tolerance_);
-            break;
-        }
-        const auto found = patch.tree.closest(x, hint);
-        hint = found.piece;
-        pull_to(found.point, kShell * patch.local[found.piece]);
+    case Stratum::patch:
+        left = admit_on(patches_[vertex.label], x, hint);
         break;
-    }
-    case Stratum::crease: {
-        const Curve &curve = curves_[vertex.label];
-        if (curve.straight) {
-            x = curve.origin + dot(x - curve.origin, curve.direction) * curve.direction;
-            left = {Freedom::Kind::line, curve.direction};
-            break;
-        }
-        if (curve.plane) {
-            x = curve.plane->nearest(x);
-            left = {Freedom::Kind::plane, curve.plane->normal()};
-        }
-        clamp(curve.tree, (curve.plane ? kRim : kTube) * curve.tolerance);
+    case Stratum::crease:
+        left = admit_on(curves_[vertex.label], x, hint);
         break;
-    }
     case Stratum::corner: {
         const auto home = corners_.find(vertex.label);
         if (home == corners_.end())
             return false;
         const auto own = at_corners_.find(vertex.label);
-        pull_to(home->second, kTube * (own == at_corners_.end() ? tolerance_ : own->second));
+        pull_to(home->second, kTube * (own == at_corners_.end() ? tolerance_ : own->second), x);
         break;
     }
     }

@@ -133,6 +133,9 @@ class SurfaceGuide {
         std::optional<geometry::Plane> plane; // of the planar patch at the curve
         double tolerance = 0.0;               // the least along it
     };
+    /// Put x where a vertex of the patch or curve may be; returns how it may go on from there.
+    Freedom admit_on(const Patch &patch, Vec3 &x, std::int32_t &hint) const;
+    Freedom admit_on(const Curve &curve, Vec3 &x, std::int32_t &hint) const;
     void make_patches(const Surface &surface);
     void make_curves(const Surface &surface);
     void make_corners(const Surface &surface);
