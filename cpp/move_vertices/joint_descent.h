@@ -1,14 +1,14 @@
 #pragma once
 
 #include "base/monitor.h"
+#include "energy/lbfgs.h"
 #include "move_vertices/boundary_domain.h"
 #include "move_vertices/moving_mesh.h"
 #include "move_vertices/objective.h"
 
 namespace wct::move_vertices {
 
-/// Why a descent came to rest.
-enum class Outcome { converged, jammed, exhausted, stopped };
+using energy::Outcome;
 
 /// Move all free points of the mesh at once downhill by L-BFGS (Nocedal 1980) with memory 10, retracting boundary
 /// points to their patch or crease at each step. Points that the domain watches stay: they move one by one only, which

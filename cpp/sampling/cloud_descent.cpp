@@ -1,21 +1,55 @@
 #include "sampling/cloud_descent.h"
 
-#include "energy/lbfgs_memory.h"
+#include "energy/lbfgs.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace wct::sampling {
 
 namespace {
 
+constexpr double kSteeper = 0.98; // share of the points that the steepest descent is scaled by
+constexpr double kFirst = 0.3;    // longest step along it, in shares of the longest of all
+
+/// Shorten every point's step to `reach` sizes.
+void clip(energy::Field &step, double reach) {
+    for (Vec3 &v : step) {
+        const double far = norm(v);
+        if (far > reach)
+            v = (reach / far) * v;
+    }
+}
+
+/// Against the gradient. The few steepest points, which sit in nearly flat tets, do not set the scale for the rest.
+energy::Field steepest(const energy::Field &gradient, double reach) {
+    std::vector<double> slopes(gradient.size());
+    for (std::size_t i = 0; i < gradient.size(); ++i)
+        slopes[i] = norm(gradient[i]);
+    const auto at = slopes.begin() + static_cast<std::ptrdiff_t>(kSteeper * static_cast<double>(slopes.size()));
+    std::nth_element(slopes.begin(), at, slopes.end());
+    const double scale = *at > 0.0 ? *at : *std::max_element(slopes.begin(), slopes.end());
+    energy::Field step = gradient;
+    for (Vec3 &v : step)
+        v = (scale > 0.0 ? -kFirst * reach / scale : 0.0) * v;
+    clip(step, kFirst * reach);
+    return step;
+}
+
+/// The points of a cloud, for L-BFGS, in units of their sizes: there the energy is equally stiff everywhere, however
+/// the sizes vary.
 class Objective {
   public:
     Objective(const Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
               const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
-              const FitForm &fit, const std::vector<Tie> &ties)
-        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges), fit_(fit), ties_(ties) {
+              const FitForm &fit, const std::vector<Tie> &ties, double reach)
+        : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges), fit_(fit), ties_(ties), reach_(reach),
+          scaled_(cloud.points) {
+        for (std::size_t i = 0; i < scaled_.size(); ++i)
+            scaled_[i] = (1.0 / cloud.size[i]) * scaled_[i];
+        next_ = scaled_;
         if (edges.weight > 0.0)
             for (const auto &edge : surface_edges(complex))
                 if (curved[edge[0]] && curved[edge[1]])
@@ -44,23 +78,76 @@ class Objective {
         tets_ = std::move(kept);
     }
 
-    /// Of points in units of their sizes. Infinite where a tet would become degenerate; `blocked` then holds the
-    /// corners of all such tets.
-    double operator()(const energy::Field &scaled, energy::Field &gradient, std::vector<int> &blocked) {
-        points_.resize(scaled.size());
-        for (std::size_t i = 0; i < scaled.size(); ++i)
-            points_[i] = cloud_.size[i] * scaled[i];
-        const energy::Field &points = points_;
-        const bool cosines = form_.weight2 > 0.0;
-        gradient.assign(points.size(), {});
-        blocked.clear();
+    double start(energy::Field &gradient) { return evaluate(gradient); }
+
+    energy::Field downhill(const energy::Field &gradient) const { return steepest(gradient, reach_); }
+
+    void restrain(energy::Field &step) const {
+        project(step);
+        clip(step, reach_);
+    }
+
+    double share(const energy::Field &) const { return 1.0; }
+
+    double attempt(double share, const energy::Field &step, double, energy::Field &gradient) {
+        next_ = scaled_;
+        energy::add(next_, share, step);
+        return evaluate(gradient);
+    }
+
+    /// A few tets are in the way: their corners hold back, the rest of the mesh goes on.
+    bool yields(energy::Field &step) {
+        if (blocked_.empty())
+            return false;
+        std::sort(blocked_.begin(), blocked_.end());
+        blocked_.erase(std::unique(blocked_.begin(), blocked_.end()), blocked_.end());
+        for (const int v : blocked_)
+            step[v] = kHeldBack * step[v];
+        return true;
+    }
+
+    bool goes_on(int) const { return true; }
+
+    void accept(energy::LbfgsMemory &memory, const energy::Field &gradient, const energy::Field &slope) {
+        memory.remember(scaled_, next_, gradient, slope);
+        std::swap(scaled_, next_);
+    }
+
+    /// Where the point stands.
+    Vec3 point(std::size_t i) const { return cloud_.size[i] * scaled_[i]; }
+    std::size_t evaluations() const { return evaluations_; }
+
+  private:
+    static constexpr double kSteep = 0.5;
+    static constexpr double kHeldBack = 0.25; // share of its step left to a point in whose way a tet is
+
+    /// At `next_`. Infinite where a tet would become degenerate; `blocked_` then holds the corners of all such tets.
+    double evaluate(energy::Field &gradient) {
+        points_.resize(next_.size());
+        for (std::size_t i = 0; i < next_.size(); ++i)
+            points_[i] = cloud_.size[i] * next_[i];
+        gradient.assign(points_.size(), {});
         double sum = 0.0;
+        add_tets(sum, gradient);
+        if (!blocked_.empty())
+            return std::numeric_limits<double>::infinity();
+        add_edges(sum, gradient);
+        add_ties(sum, gradient);
+        for (std::size_t i = 0; i < gradient.size(); ++i)
+            gradient[i] = cloud_.size[i] * gradient[i];
+        project(gradient);
+        return sum;
+    }
+
+    void add_tets(double &sum, energy::Field &gradient) {
+        const bool cosines = form_.weight2 > 0.0;
+        blocked_.clear();
         energy::TetLanes lanes;
         energy::TermLanes terms = energy::flatness_terms(0.0);
         energy::Lanes energy;
         evaluations_ += tets_.size();
         for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
-            load(points, first, lanes);
+            load(points_, first, lanes);
             for (int lane = 0; lane < energy::kLanes; ++lane)
                 terms.flatness[lane] = floors_[std::min(first + static_cast<std::size_t>(lane), tets_.size() - 1)];
             energy::measure(lanes, cosines, shape_);
@@ -70,17 +157,18 @@ class Objective {
             for (std::size_t lane = 0; lane < count; ++lane) {
                 const int l = static_cast<int>(lane);
                 if (!(energy[l] < std::numeric_limits<double>::infinity()))
-                    blocked.insert(blocked.end(), tets_[first + lane].begin(), tets_[first + lane].end());
+                    blocked_.insert(blocked_.end(), tets_[first + lane].begin(), tets_[first + lane].end());
                 sum += energy[l];
                 for (int k = 0; k < 4; ++k)
                     gradient[tets_[first + lane][k]] +=
                         {gradient_.corner[k][0][l], gradient_.corner[k][1][l], gradient_.corner[k][2][l]};
             }
         }
-        if (!blocked.empty())
-            return std::numeric_limits<double>::infinity();
+    }
+
+    void add_edges(double &sum, energy::Field &gradient) const {
         for (const auto &[v, w] : edges_) {
-            const Vec3 d = points[v] - points[w];
+            const Vec3 d = points_[v] - points_[w];
             const double limit = 0.5 * edge_form_.limit * (cloud_.size[v] + cloud_.size[w]);
             const double length = norm(d);
             if (length <= limit)
@@ -91,10 +179,13 @@ class Objective {
             gradient[v] += pull;
             gradient[w] -= pull;
         }
+    }
+
+    void add_ties(double &sum, energy::Field &gradient) const {
         for (const Tie &tie : ties_) {
             const auto &[a, b, c] = tie.corner;
             const auto &[u, v, w] = tie.weight;
-            const double height = dot(tie.normal, u * points[a] + v * points[b] + w * points[c]) - tie.level;
+            const double height = dot(tie.normal, u * points_[a] + v * points_[b] + w * points_[c]) - tie.level;
             const double over = std::fabs(height) / fit_.limit - 1.0;
             if (over <= 0.0)
                 continue;
@@ -106,10 +197,6 @@ class Objective {
             gradient[b] += v * pull;
             gradient[c] += w * pull;
         }
-        for (std::size_t i = 0; i < gradient.size(); ++i)
-            gradient[i] = cloud_.size[i] * gradient[i];
-        project(gradient);
-        return sum;
     }
 
     /// The part of a field along which the points may move.
@@ -130,11 +217,6 @@ class Objective {
             }
     }
 
-    std::size_t evaluations() const { return evaluations_; }
-
-  private:
-    static constexpr double kSteep = 0.5;
-
     void load(const energy::Field &points, std::size_t first, energy::TetLanes &lanes) const {
         for (std::size_t lane = 0; lane < energy::kLanes; ++lane) {
             const auto &tet = tets_[std::min(first + lane, tets_.size() - 1)];
@@ -152,36 +234,15 @@ class Objective {
     std::vector<std::array<int, 2>> edges_;
     std::vector<std::array<int, 4>> tets_;
     std::vector<double> floors_;
-    energy::Field points_;
+    double reach_;
+    energy::Field scaled_, next_; // where the points stand, and were tried last, in units of their sizes
+    energy::Field points_;        // where they were tried last
+    std::vector<int> blocked_;
     std::size_t evaluations_ = 0;
     energy::ShapeLanes shape_;
     energy::SlopeLanes slopes_;
     energy::GradientLanes gradient_;
 };
-
-/// Shorten every point's step to `reach` sizes.
-void clip(energy::Field &step, double reach) {
-    for (Vec3 &v : step) {
-        const double far = norm(v);
-        if (far > reach)
-            v = (reach / far) * v;
-    }
-}
-
-/// Against the gradient. The few steepest points, which sit in nearly flat tets, do not set the scale for the rest.
-energy::Field steepest(const energy::Field &gradient, double reach) {
-    std::vector<double> slopes(gradient.size());
-    for (std::size_t i = 0; i < gradient.size(); ++i)
-        slopes[i] = norm(gradient[i]);
-    const auto at = slopes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(slopes.size()));
-    std::nth_element(slopes.begin(), at, slopes.end());
-    const double scale = *at > 0.0 ? *at : *std::max_element(slopes.begin(), slopes.end());
-    energy::Field step = gradient;
-    for (Vec3 &v : step)
-        v = (scale > 0.0 ? -0.3 * reach / scale : 0.0) * v;
-    clip(step, 0.3 * reach);
-    return step;
-}
 
 } // namespace
 
@@ -220,72 +281,14 @@ Tally count_bad(const Cloud &cloud, const RestrictedDelaunay &complex, bool cosi
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
                     const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach) {
-    constexpr std::size_t kMemory = 8;
-    constexpr int kHalvings = 15;
-    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties);
-    // In units of sizes the energy is equally stiff everywhere, however the sizes vary.
-    energy::Field points = cloud.points;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        points[i] = (1.0 / cloud.size[i]) * points[i];
-    energy::Field gradient;
-    energy::Field next;
-    energy::Field slope;
-    std::vector<int> blocked;
-    double energy = objective(points, gradient, blocked);
-    energy::LbfgsMemory memory(kMemory);
-    int failures = 0;
-    for (int round = 0; round < iterations && energy < std::numeric_limits<double>::infinity(); ++round) {
-        energy::Field step = memory.empty() ? steepest(gradient, reach) : memory.direction(gradient);
-        objective.project(step);
-        clip(step, reach);
-        double descent = energy::inner(gradient, step);
-        if (descent >= 0.0) {
-            memory.clear();
-            step = steepest(gradient, reach);
-            descent = energy::inner(gradient, step);
-            if (descent >= 0.0)
-                break;
-        }
-        double length = 1.0;
-        double lower = 0.0;
-        bool found = false;
-        for (int k = 0; k < kHalvings && !found; ++k) {
-            next = points;
-            energy::add(next, length, step);
-            lower = objective(next, slope, blocked);
-            found = blocked.empty() && lower <= energy + 1e-4 * length * descent;
-            if (found)
-                continue;
-            if (blocked.empty()) {
-                length *= 0.5;
-                continue;
-            }
-            // A few tets are in the way: their corners hold back, the rest of the mesh goes on.
-            std::sort(blocked.begin(), blocked.end());
-            blocked.erase(std::unique(blocked.begin(), blocked.end()), blocked.end());
-            for (const int v : blocked)
-                step[v] = 0.25 * step[v];
-            descent = energy::inner(gradient, step);
-            if (descent >= 0.0)
-                break;
-        }
-        if (!found) {
-            if (memory.empty() || ++failures > 2)
-                break;
-            memory.clear();
-            continue;
-        }
-        memory.remember(points, next, gradient, slope);
-        const bool done = energy - lower < 1e-9 * energy;
-        points = next;
-        gradient = slope;
-        energy = lower;
-        if (done)
-            break;
-    }
-    for (std::size_t i = 0; i < points.size(); ++i)
+    constexpr energy::LbfgsForm lbfgs{.memory = 8, .trials = 15, .shorter = 0.5, .worth = 1e-9, .failures = 2};
+    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties, reach);
+    energy::LbfgsForm asked = lbfgs;
+    asked.iterations = iterations;
+    energy::descend(objective, asked);
+    for (std::size_t i = 0; i < cloud.count(); ++i)
         if (cloud.held[i] < Hold::all) // not by a rounding
-            cloud.points[i] = cloud.size[i] * points[i];
+            cloud.points[i] = objective.point(i);
     return objective.evaluations();
 }
 

@@ -109,58 +109,69 @@ double GroupDescent::evaluate(const energy::Field &at, double limit, energy::Fie
     return sum;
 }
 
+/// The free vertices of the neighbourhood, for L-BFGS.
+class GroupDescent::Moving {
+  public:
+    Moving(GroupDescent &group, double size) : group_(group), size_(size) {
+        for (int v : group.free_)
+            at_.push_back(group.complex_.point(v));
+    }
+
+    double start(energy::Field &gradient) {
+        return start_ = energy_ = group_.evaluate(at_, std::numeric_limits<double>::max(), gradient);
+    }
+
+    energy::Field downhill(const energy::Field &gradient) const {
+        energy::Field step = gradient;
+        for (Vec3 &v : step)
+            v = (-kFirst * size_ / energy::longest(gradient)) * v;
+        return step;
+    }
+
+    void restrain(energy::Field &step) const {
+        for (std::size_t i = 0; i < step.size(); ++i)
+            step[i] = group_.freedoms_[i].of(step[i]);
+    }
+
+    double share(const energy::Field &step) const { return std::min(1.0, kMost * size_ / energy::longest(step)); }
+
+    double attempt(double share, const energy::Field &step, double limit, energy::Field &gradient) {
+        group_.place(at_, share, step, next_);
+        return tried_ = group_.evaluate(next_, limit, gradient);
+    }
+
+    bool yields(energy::Field &) const { return false; }
+    bool goes_on(int) const { return true; }
+
+    void accept(energy::LbfgsMemory &memory, const energy::Field &gradient, const energy::Field &slope) {
+        memory.remember(at_, next_, gradient, slope);
+        at_.swap(next_);
+        energy_ = tried_;
+    }
+
+    bool lower() const { return energy_ < start_; }
+    const energy::Field &at() const { return at_; }
+
+  private:
+    static constexpr double kFirst = 0.05, kMost = 0.3; // longest step along the steepest descent, and of all; in sizes
+
+    GroupDescent &group_;
+    double size_;
+    energy::Field at_, next_; // where the vertices stand, and were tried last
+    double start_ = kInfinity, energy_ = kInfinity, tried_ = kInfinity;
+};
+
 bool GroupDescent::relax_round(int t) {
-    constexpr std::size_t memory = 8;
-    constexpr int iterations = 10;
-    constexpr int halvings = 8;
-    constexpr double first = 0.05, most = 0.3; // steps, in sizes
-    constexpr double worth = 1e-3;             // relative drop for which to go on
+    constexpr energy::LbfgsForm form{.memory = 8, .iterations = 10, .trials = 8, .shorter = 0.4, .worth = 1e-3};
     gather(t);
     if (free_.empty() || !hold())
         return false;
     load();
-    const double size = complex_.vertex(complex_.tet(t)[0]).size;
-    energy::Field at, next, gradient, slope;
-    for (int v : free_)
-        at.push_back(complex_.point(v));
-    double energy = evaluate(at, std::numeric_limits<double>::max(), gradient);
-    const double start = energy;
-    energy::LbfgsMemory pairs(memory);
-    for (int k = 0; k < iterations && energy > 0.0 && energy < kInfinity; ++k) {
-        energy::Field step = gradient;
-        if (pairs.empty())
-            for (Vec3 &v : step)
-                v = (-first * size / energy::longest(gradient)) * v;
-        else
-            step = pairs.direction(gradient);
-        for (std::size_t i = 0; i < free_.size(); ++i)
-            step[i] = freedoms_[i].of(step[i]);
-        const double descent = energy::inner(step, gradient);
-        double length = std::min(1.0, most * size / energy::longest(step));
-        double trial = kInfinity;
-        bool lower = false;
-        for (int halving = 0; halving < halvings && descent < 0.0 && !lower; ++halving, length *= 0.4) {
-            place(at, length, step, next);
-            trial = evaluate(next, energy + 1e-4 * length * descent, slope);
-            lower = trial < kInfinity;
-        }
-        if (!lower) {
-            if (pairs.empty())
-                break;
-            pairs.clear();
-            continue;
-        }
-        pairs.remember(at, next, gradient, slope);
-        const double gain = energy - trial;
-        at.swap(next);
-        gradient.swap(slope);
-        energy = trial;
-        if (gain < worth * energy)
-            break;
-    }
+    Moving moving(*this, complex_.vertex(complex_.tet(t)[0]).size);
+    energy::descend(moving, form);
     for (std::size_t i = 0; i < free_.size(); ++i)
         complex_.set_hint(free_[i], hints_[i]);
-    return energy < start && settle(at);
+    return moving.lower() && settle(moving.at());
 }
 
 bool GroupDescent::settle(const energy::Field &at) {

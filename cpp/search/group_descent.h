@@ -1,6 +1,6 @@
 #pragma once
 
-#include "energy/lbfgs_memory.h"
+#include "energy/lbfgs.h"
 #include "search/search_energy.h"
 #include "search/surface_watch.h"
 
@@ -21,6 +21,7 @@ class GroupDescent {
     bool relax_round(int t);
 
   private:
+    class Moving;
     void gather(int t);
     void load();
     bool hold();
@@ -32,10 +33,10 @@ class GroupDescent {
     const SearchEnergy &energy_;
     const SurfaceGuide &guide_;
     SurfaceWatch &watch_;
-    std::vector<int> free_;                   // vertices that move
-    std::vector<int> tets_;                   // tets at them
-    std::vector<int> number_;                 // per vertex: its place in free_, -1 between calls
-    std::vector<std::array<int, 4>> corners_; // per tet: places in free_, -1 for corners that stay
+    std::vector<int> free_;    // vertices that move
+    std::vector<int> tets_;    // tets at them
+    std::vector<int> number_;  // per vertex: its place in free_, -1 between calls
+    std::vector<Tet> corners_; // per tet: places in free_, -1 for corners that stay
     std::vector<energy::TetLanes> lanes_;
     std::vector<SearchTerms> terms_;
     std::vector<std::int32_t> hints_; // per free vertex: where the surface was found
