@@ -22,6 +22,43 @@ geometry::Box box_of(const SurfaceData &data, int triangle) {
     return box;
 }
 
+/// The shape operator S at a wedge, as the least-squares solution of dN = S dX over the edges round it.
+struct ShapeSums {
+    double xx = 0.0, xy = 0.0, yy = 0.0, xa = 0.0, ya = 0.0, xb = 0.0, yb = 0.0;
+
+    /// An edge (x, y) in the tangent plane along which the normal changes by (a, b).
+    void add(double x, double y, double a, double b) {
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+        xa += x * a;
+        ya += y * a;
+        xb += x * b;
+        yb += y * b;
+    }
+
+    /// The eigenvalues of S, the larger first; zero without edges.
+    std::array<double, 2> curvatures() const {
+        constexpr double damping = 1e-9; // relative: where all edges run one way, nothing bends across them
+        const double trace = xx + yy;
+        if (!(trace > 0.0))
+            return {0.0, 0.0};
+        // Unknowns A, B, C of S = [[A, B], [B, C]]: normal equations of a = A x + B y, b = B x + C y.
+        const double ridge = damping * trace;
+        const double p = xx + ridge;
+        const double q = xx + yy + ridge;
+        const double r = yy + ridge;
+        const double rhs = ya + xb;
+        // Eliminate A = (xa - xy B) / p and C = (yb - xy B) / r.
+        const double b = (rhs - xy * xa / p - xy * yb / r) / (q - xy * xy / p - xy * xy / r + ridge);
+        const double a = (xa - xy * b) / p;
+        const double c = (yb - xy * b) / r;
+        const double mean = 0.5 * (a + c);
+        const double spread = std::hypot(0.5 * (a - c), b);
+        return {mean + spread, mean - spread};
+    }
+};
+
 } // namespace
 
 Vec3 across(const Vec3 &n) {
@@ -170,74 +207,47 @@ bool Reference::keeps(int patch, double tolerance) const {
            patch_trees_[patch].tree.box(root).diagonal() > geometry::kept_extent(diagonal_, tolerance);
 }
 
+template <class Visit> void Reference::along_edges(const Visit &visit) const {
+    for (std::size_t t = 0; t < wedges_.size(); ++t)
+        for (int k = 0; k < 3 && !planar_[data_.patch[t]]; ++k) {
+            visit(wedges_[t][k], wedges_[t][(k + 1) % 3]);
+            visit(wedges_[t][(k + 1) % 3], wedges_[t][k]);
+        }
+}
+
 void Reference::make_curvatures() {
-    // The shape operator at a wedge, as the least-squares solution of dN = S dX over the edges around it.
     const std::size_t count = wedge_vertex_.size();
-    struct Sums {
-        double xx = 0.0, xy = 0.0, yy = 0.0, xa = 0.0, ya = 0.0, xb = 0.0, yb = 0.0;
-    };
-    std::vector<Sums> sums(count);
+    std::vector<ShapeSums> sums(count);
     std::vector<Vec3> first(count);
     for (std::size_t w = 0; w < count; ++w)
         first[w] = across(wedge_normal_[w]);
-    const auto along_edges = [this](const auto &visit) { // each triangle's, both ways
-        for (std::size_t t = 0; t < wedges_.size(); ++t)
-            for (int k = 0; k < 3 && !planar_[data_.patch[t]]; ++k) {
-                visit(wedges_[t][k], wedges_[t][(k + 1) % 3]);
-                visit(wedges_[t][(k + 1) % 3], wedges_[t][k]);
-            }
-    };
     along_edges([&](int v, int w) {
         const Vec3 d = data_.points[wedge_vertex_[w]] - data_.points[wedge_vertex_[v]];
         const Vec3 dn = wedge_normal_[w] - wedge_normal_[v];
         const Vec3 second = cross(wedge_normal_[v], first[v]);
-        const double x = dot(d, first[v]);
-        const double y = dot(d, second);
-        const double a = dot(dn, first[v]);
-        const double b = dot(dn, second);
-        Sums &s = sums[v];
-        s.xx += x * x;
-        s.xy += x * y;
-        s.yy += y * y;
-        s.xa += x * a;
-        s.ya += y * a;
-        s.xb += x * b;
-        s.yb += y * b;
+        sums[v].add(dot(d, first[v]), dot(d, second), dot(dn, first[v]), dot(dn, second));
     });
-    curvatures_.assign(count, {0.0, 0.0});
-    for (std::size_t w = 0; w < count; ++w) {
-        const Sums &s = sums[w];
-        const double trace = s.xx + s.yy;
-        if (!(trace > 0.0))
-            continue;
-        // Unknowns A, B, C of S = [[A, B], [B, C]]: normal equations of a = A x + B y, b = B x + C y.
-        const double ridge = 1e-9 * trace;
-        const double p = s.xx + ridge;
-        const double q = s.xx + s.yy + ridge;
-        const double r = s.yy + ridge;
-        const double rhs = s.ya + s.xb;
-        // Eliminate A = (xa - xy B) / p and C = (yb - xy B) / r.
-        const double b = (rhs - s.xy * s.xa / p - s.xy * s.yb / r) / (q - s.xy * s.xy / p - s.xy * s.xy / r + ridge);
-        const double a = (s.xa - s.xy * b) / p;
-        const double c = (s.yb - s.xy * b) / r;
-        const double mean = 0.5 * (a + c);
-        const double spread = std::hypot(0.5 * (a - c), b);
-        curvatures_[w] = {mean + spread, mean - spread};
-    }
-    for (int pass = 0; pass < 2; ++pass) {
-        auto sum = curvatures_;
-        std::vector<double> weight(count, 1.0);
-        along_edges([&](int v, int w) {
-            sum[v][0] += curvatures_[w][0];
-            sum[v][1] += curvatures_[w][1];
-            weight[v] += 1.0;
-        });
-        for (std::size_t w = 0; w < count; ++w)
-            curvatures_[w] = {sum[w][0] / weight[w], sum[w][1] / weight[w]};
-    }
+    curvatures_.resize(count);
+    for (std::size_t w = 0; w < count; ++w)
+        curvatures_[w] = sums[w].curvatures();
+    constexpr int passes = 2; // means with the neighbours'
+    for (int pass = 0; pass < passes; ++pass)
+        smooth_curvatures();
     for (auto &k : curvatures_)
         if (std::fabs(k[1]) > std::fabs(k[0]))
             std::swap(k[0], k[1]);
+}
+
+void Reference::smooth_curvatures() {
+    auto sum = curvatures_;
+    std::vector<double> weight(sum.size(), 1.0);
+    along_edges([&](int v, int w) {
+        sum[v][0] += curvatures_[w][0];
+        sum[v][1] += curvatures_[w][1];
+        weight[v] += 1.0;
+    });
+    for (std::size_t w = 0; w < sum.size(); ++w)
+        curvatures_[w] = {sum[w][0] / weight[w], sum[w][1] / weight[w]};
 }
 
 void Reference::try_triangle(const Vec3 &p, int triangle, double &square, Foot &foot) const {

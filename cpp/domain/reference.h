@@ -122,6 +122,10 @@ class Reference {
     void make_normals();
     void find_planes();
     void make_curvatures();
+    /// Replace each wedge's curvatures by the mean with its neighbours'.
+    void smooth_curvatures();
+    /// visit(from, to) for the wedges at the ends of each edge of each triangle of curved patches, both ways.
+    template <class Visit> void along_edges(const Visit &visit) const;
     void make_curves();
     void bend_curve(Curve &curve);
     void find_patches_around();

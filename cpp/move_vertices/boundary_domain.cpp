@@ -92,38 +92,11 @@ Domain::Domain(const Problem &problem, double tolerance)
         watch(problem, patches, curves);
 }
 
-/// Find what is to be watched: all that has a corner that moves, and a patch or curve that is not flat or straight.
 void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
                    const std::map<std::int64_t, std::int32_t> &curves) {
-    const auto any_moves = [this](const auto &corners) {
-        return std::any_of(corners.begin(), corners.end(), [this](std::int32_t corner) { return moves(corner); });
-    };
-    // A patch may have moving creases but no moving point of its own.
-    std::map<std::int64_t, std::vector<std::array<Vec3, 3>>> triangles;
-    for (std::size_t i = 0; i < problem.triangles.size(); ++i)
-        if (any_moves(problem.triangles[i]) && !patches.contains(problem.triangle_patch[i])) {
-            if (triangles.empty())
-                triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
-            patches[problem.triangle_patch[i]] = static_cast<std::int32_t>(supports_.size());
-            supports_.push_back(support_of(triangles[problem.triangle_patch[i]]));
-        }
-    std::set<std::array<std::int32_t, 3>> edges;                   // patch, ends
-    std::map<std::array<std::int32_t, 2>, std::int32_t> landmarks; // support, point
-    const auto curved = [this](std::int32_t support) {
-        const Support &s = supports_[static_cast<std::size_t>(support)];
-        return std::holds_alternative<geometry::BoundingTree<3>>(s) ||
-               std::holds_alternative<geometry::BoundingTree<2>>(s);
-    };
-    const auto add = [&](const std::array<std::int32_t, 3> &corners, std::int32_t support, bool covers) {
-        const auto index = static_cast<std::int32_t>(watched_.size());
-        watched_.push_back({corners, support, covers});
-        covered_.emplace_back();
-        for (const auto corner : corners)
-            if (covers && corner >= 0 && landmarks.emplace(std::array{support, corner}, index).second) {
-                covered_.back().push_back(static_cast<std::int32_t>(landmarks_.size()));
-                landmarks_.push_back(problem.points[static_cast<std::size_t>(corner)]);
-            }
-    };
+    support_creases(problem, patches);
+    std::set<std::array<std::int32_t, 3>> edges; // patch, ends
+    Known known;
     for (std::size_t i = 0; i < problem.triangles.size(); ++i) {
         const auto &t = problem.triangles[i];
         if (!any_moves(t))
@@ -134,17 +107,51 @@ void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> 
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
             if (any_moves(std::array{a, b}) && edges.insert({support, a, b}).second)
-                add({a, b, -1}, support, false);
+                add_watched({{a, b, -1}, support, false}, problem, known);
         }
-        add(t, support, true);
+        add_watched({t, support, true}, problem, known);
     }
     for (std::size_t i = 0; i < problem.segments.size(); ++i) {
         const auto &s = problem.segments[i];
         const auto found = curves.find(problem.segment_curve[i]);
         if (any_moves(s) && found != curves.end() && curved(found->second))
-            add({s[0], s[1], -1}, found->second, true);
+            add_watched({{s[0], s[1], -1}, found->second, true}, problem, known);
     }
     kept_ = covered_;
+    list_watched();
+}
+
+bool Domain::any_moves(std::span<const std::int32_t> corners) const {
+    return std::any_of(corners.begin(), corners.end(), [this](std::int32_t corner) { return moves(corner); });
+}
+
+bool Domain::curved(std::int32_t support) const {
+    const Support &s = supports_[static_cast<std::size_t>(support)];
+    return std::holds_alternative<geometry::BoundingTree<3>>(s) || std::holds_alternative<geometry::BoundingTree<2>>(s);
+}
+
+void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches) {
+    std::map<std::int64_t, std::vector<std::array<Vec3, 3>>> triangles;
+    for (std::size_t i = 0; i < problem.triangles.size(); ++i)
+        if (any_moves(problem.triangles[i]) && !patches.contains(problem.triangle_patch[i])) {
+            if (triangles.empty())
+                triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
+            patches[problem.triangle_patch[i]] = static_cast<std::int32_t>(supports_.size());
+            supports_.push_back(support_of(triangles[problem.triangle_patch[i]]));
+        }
+}
+
+void Domain::add_watched(const Watched &watched, const Problem &problem, Known &known) {
+    watched_.push_back(watched);
+    covered_.emplace_back();
+    for (const auto corner : watched.corners)
+        if (watched.covers && corner >= 0 && known.insert({watched.support, corner}).second) {
+            covered_.back().push_back(static_cast<std::int32_t>(landmarks_.size()));
+            landmarks_.push_back(problem.points[static_cast<std::size_t>(corner)]);
+        }
+}
+
+void Domain::list_watched() {
     for (const Watched &w : watched_)
         for (const auto corner : w.corners)
             if (corner >= 0 && moves(corner))

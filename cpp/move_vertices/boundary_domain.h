@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <variant>
 #include <vector>
@@ -74,8 +75,18 @@ class Domain {
         const auto p = static_cast<std::size_t>(point);
         return {stars_.data() + offsets_[p], stars_.data() + offsets_[p + 1]};
     }
+    using Known = std::set<std::array<std::int32_t, 2>>; // support, point: what landmarks there are already
+    /// Find what is to be watched: all that has a corner that moves, and a patch or curve that is not flat or straight.
     void watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
                const std::map<std::int64_t, std::int32_t> &curves);
+    bool any_moves(std::span<const std::int32_t> corners) const;
+    bool curved(std::int32_t support) const;
+    /// Supports of patches that have no moving point of their own, but moving creases.
+    void support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches);
+    /// Watch it, and the vertices of its support that it is the first to have as corners, if it covers any.
+    void add_watched(const Watched &watched, const Problem &problem, Known &known);
+    /// List per point what is watched at it.
+    void list_watched();
     bool sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const;
     bool middle_near(Watched &watched, std::span<const Vec3> points) const;
     bool rest_near(Watched &watched, std::span<const Vec3> points) const;
