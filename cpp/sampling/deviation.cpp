@@ -59,25 +59,28 @@ double enclosed_volume(const domain::SurfaceData &data) {
     return volume;
 }
 
-} // namespace
-
-Deviation measure_deviation(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
-                            const Workers &workers) {
-    const auto &data = reference.data();
-    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
+std::vector<Range> ranges_of(const Cloud &cloud, const std::vector<Facet> &facets, const domain::Reference &reference,
+                             const Workers &workers) {
     std::vector<Range> range(facets.size());
     workers.for_each(facets.size(), 64, [&](std::size_t f) {
         const auto &[a, b, c] = facets[f];
         const int near = std::max({cloud.near[a], cloud.near[b], cloud.near[c]});
         range[f] = sample({cloud.points[a], cloud.points[b], cloud.points[c]}, reference, near);
     });
-    // The facets nearest to the reference's vertices, then to the middles of its triangles.
+    return range;
+}
+
+struct Near {
+    double distance = 0.0;
+    int facet = -1;
+};
+
+/// The facets nearest to the reference's vertices, then to the middles of its triangles; none for vertices without a
+/// triangle.
+std::vector<Near> nearest_facets(const Cloud &cloud, const std::vector<Facet> &facets, const domain::SurfaceData &data,
+                                 const Workers &workers) {
     const geometry::TriangleTree tree(cloud.points, facets);
     const std::size_t vertices = data.points.size();
-    struct Near {
-        double distance = 0.0;
-        int facet = -1;
-    };
     std::vector<Near> back(vertices + data.triangles.size());
     std::vector<char> known(vertices, 0);
     for (const auto &triangle : data.triangles)
@@ -99,37 +102,60 @@ Deviation measure_deviation(const Cloud &cloud, const RestrictedDelaunay &comple
             back[i] = {std::sqrt(found.square), found.triangle};
         }
     });
+    return back;
+}
+
+/// Per point the mean over its facets.
+std::vector<Range> mean_ranges(const Cloud &cloud, const std::vector<Facet> &facets, const std::vector<Range> &range) {
+    std::vector<Range> mean(cloud.count());
+    std::vector<double> count(cloud.count(), 0.0);
+    for (std::size_t f = 0; f < facets.size(); ++f)
+        for (const int v : facets[f]) {
+            mean[v].above += range[f].above;
+            mean[v].below += range[f].below;
+            mean[v].missed += range[f].missed;
+            count[v] += 1.0;
+        }
+    for (std::size_t v = 0; v < mean.size(); ++v)
+        if (count[v] > 0.0)
+            mean[v] = {mean[v].above / count[v], mean[v].below / count[v], mean[v].missed / count[v]};
+    return mean;
+}
+
+/// Per vertex of the reference the greatest of the means at the corners of the facet nearest to it.
+void take_to_reference(const std::vector<Range> &mean, const std::vector<Facet> &facets, const std::vector<Near> &back,
+                       std::size_t vertices, Deviation &out) {
+    out.above.assign(vertices, 0.0);
+    out.below.assign(vertices, 0.0);
+    out.missed.assign(vertices, 0.0);
+    for (std::size_t v = 0; v < vertices; ++v) {
+        if (back[v].facet < 0)
+            continue;
+        for (const int w : facets[back[v].facet]) {
+            out.above[v] = std::max(out.above[v], mean[w].above);
+            out.below[v] = std::min(out.below[v], mean[w].below);
+            out.missed[v] = std::max(out.missed[v], mean[w].missed);
+        }
+    }
+}
+
+} // namespace
+
+Deviation measure_deviation(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
+                            const Workers &workers) {
+    const std::vector<Facet> facets = surface_facets(complex);
+    std::vector<Range> range = ranges_of(cloud, facets, reference, workers);
+    const std::vector<Near> back = nearest_facets(cloud, facets, reference.data(), workers);
     Deviation out;
     for (const Near &at : back)
         if (at.facet >= 0) {
             range[at.facet].missed = std::max(range[at.facet].missed, at.distance);
             out.most_in = std::max(out.most_in, at.distance);
         }
-    std::vector<Range> mean(cloud.count());
-    std::vector<double> count(cloud.count(), 0.0);
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-        const Range &r = range[f];
+    for (const Range &r : range)
         out.most_out = std::max({out.most_out, r.above, -r.below});
-        for (const int v : facets[f]) {
-            mean[v].above += r.above;
-            mean[v].below += r.below;
-            mean[v].missed += r.missed;
-            count[v] += 1.0;
-        }
-    }
-    out.above.assign(data.points.size(), 0.0);
-    out.below.assign(data.points.size(), 0.0);
-    out.missed.assign(data.points.size(), 0.0);
-    for (std::size_t v = 0; v < data.points.size(); ++v) {
-        if (!known[v])
-            continue;
-        for (const int w : facets[back[v].facet]) {
-            out.above[v] = std::max(out.above[v], mean[w].above / count[w]);
-            out.below[v] = std::min(out.below[v], mean[w].below / count[w]);
-            out.missed[v] = std::max(out.missed[v], mean[w].missed / count[w]);
-        }
-    }
-    const double enclosed = enclosed_volume(data);
+    take_to_reference(mean_ranges(cloud, facets, range), facets, back, reference.data().points.size(), out);
+    const double enclosed = enclosed_volume(reference.data());
     out.volume_gain = enclosed > 0.0 ? volume_of(cloud, complex) / enclosed - 1.0 : 0.0;
     return out;
 }

@@ -92,6 +92,73 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
     }
 }
 
+/// The triangles that bound regions, once for each region that they bound.
+struct RegionSurfaces {
+    struct Use {
+        int region;
+        int v, w;
+        int triangle;
+    };
+    std::vector<Facet> triangles;
+    std::vector<int> owner; // region of each
+    std::vector<Use> uses;  // of edges, those of one edge by one region beside each other
+};
+
+RegionSurfaces region_surfaces(const RestrictedDelaunay &complex) {
+    RegionSurfaces out;
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i) {
+            if (complex.region[t] < 0 || complex.beyond(t, i) == complex.region[t])
+                continue;
+            const Facet f = complex.facet(t, i);
+            const int triangle = static_cast<int>(out.triangles.size());
+            for (int k = 0; k < 3; ++k) {
+                const auto [v, w] = std::minmax(f[k], f[(k + 1) % 3]);
+                out.uses.push_back({complex.region[t], v, w, triangle});
+            }
+            out.triangles.push_back(f);
+            out.owner.push_back(complex.region[t]);
+        }
+    std::sort(out.uses.begin(), out.uses.end(), [](const auto &a, const auto &b) {
+        return std::tie(a.region, a.v, a.w, a.triangle) < std::tie(b.region, b.v, b.w, b.triangle);
+    });
+    return out;
+}
+
+/// Join the triangles' corners (three times the triangle, and which) into fans, across edges that two triangles of a
+/// region use; the ends of all other edges are pinched.
+DisjointSets join_fans(const RegionSurfaces &surfaces, std::vector<int> &pinched) {
+    const auto &uses = surfaces.uses;
+    DisjointSets fans(3 * surfaces.triangles.size());
+    const auto corner = [&](int triangle, int v) {
+        const Facet &f = surfaces.triangles[triangle];
+        return 3 * triangle + static_cast<int>(std::find(f.begin(), f.end(), v) - f.begin());
+    };
+    for (std::size_t k = 0, end = 0; k < uses.size(); k = end) {
+        const auto &[region, v, w, triangle] = uses[k];
+        for (end = k + 1; end < uses.size() && uses[end].region == region && uses[end].v == v && uses[end].w == w;)
+            ++end;
+        if (end - k != 2) {
+            pinched.insert(pinched.end(), {v, w});
+            continue;
+        }
+        for (const int at : {v, w})
+            fans.join(corner(triangle, at), corner(uses[k + 1].triangle, at));
+    }
+    return fans;
+}
+
+/// Points are pinched, too, where a region has more than one fan.
+void find_double_fans(const RegionSurfaces &surfaces, DisjointSets &fans, std::vector<int> &pinched) {
+    std::map<std::pair<int, int>, int> first; // (region, point) -> its first fan
+    for (std::size_t k = 0; k < 3 * surfaces.triangles.size(); ++k) {
+        const int v = surfaces.triangles[k / 3][k % 3], fan = fans.find(static_cast<int>(k));
+        const auto [at, fresh] = first.try_emplace({surfaces.owner[k / 3], v}, fan);
+        if (!fresh && at->second != fan)
+            pinched.push_back(v);
+    }
+}
+
 } // namespace
 
 std::array<int, 3> RestrictedDelaunay::facet(int t, int i) const {
@@ -164,65 +231,13 @@ std::vector<std::array<int, 2>> surface_edges(const RestrictedDelaunay &complex)
 
 Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex) {
     Flaws flaws;
-    // Per region and point, its surface triangles must form one fan. Union the triangles across edges used exactly
-    // twice.
-    struct Use {
-        int region;
-        int v, w;
-        int triangle;
-    };
-    std::vector<Use> uses;
-    std::vector<std::array<int, 3>> triangles;
-    std::vector<int> owner;
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
-        if (complex.region[t] < 0)
-            continue;
-        for (int i = 0; i < 4; ++i) {
-            if (complex.beyond(static_cast<int>(t), i) == complex.region[t])
-                continue;
-            const auto f = complex.facet(static_cast<int>(t), i);
-            for (int k = 0; k < 3; ++k) {
-                const int v = f[k];
-                const int w = f[(k + 1) % 3];
-                uses.push_back({complex.region[t], std::min(v, w), std::max(v, w), static_cast<int>(triangles.size())});
-                if (cloud.role[v] == Stratum::interior)
-                    flaws.exposed.push_back(v);
-            }
-            triangles.push_back(f);
-            owner.push_back(complex.region[t]);
-        }
-    }
-    std::sort(uses.begin(), uses.end(), [](const Use &a, const Use &b) {
-        return std::tie(a.region, a.v, a.w, a.triangle) < std::tie(b.region, b.v, b.w, b.triangle);
-    });
-    DisjointSets fans(3 * triangles.size()); // of the triangles' corners
-    const auto corner = [&](int triangle, int v) {
-        for (int k = 0; k < 3; ++k)
-            if (triangles[triangle][k] == v)
-                return 3 * triangle + k;
-        return -1;
-    };
-    for (std::size_t k = 0; k < uses.size();) {
-        std::size_t end = k + 1;
-        while (end < uses.size() && uses[end].region == uses[k].region && uses[end].v == uses[k].v &&
-               uses[end].w == uses[k].w)
-            ++end;
-        if (end - k != 2) {
-            flaws.pinched.push_back(uses[k].v);
-            flaws.pinched.push_back(uses[k].w);
-        } else {
-            for (const int v : {uses[k].v, uses[k].w})
-                fans.join(corner(uses[k].triangle, v), corner(uses[k + 1].triangle, v));
-        }
-        k = end;
-    }
-    std::map<std::pair<int, int>, int> first; // (region, point) -> its first fan
-    for (std::size_t k = 0; k < 3 * triangles.size(); ++k) {
-        const int v = triangles[k / 3][k % 3], fan = fans.find(static_cast<int>(k));
-        const auto [at, fresh] = first.try_emplace({owner[k / 3], v}, fan);
-        if (!fresh && at->second != fan)
-            flaws.pinched.push_back(v);
-    }
+    const RegionSurfaces surfaces = region_surfaces(complex);
+    for (const Facet &f : surfaces.triangles)
+        for (const int v : f)
+            if (cloud.role[v] == Stratum::interior)
+                flaws.exposed.push_back(v);
+    DisjointSets fans = join_fans(surfaces, flaws.pinched);
+    find_double_fans(surfaces, fans, flaws.pinched);
     for (auto *list : {&flaws.exposed, &flaws.pinched}) {
         std::sort(list->begin(), list->end());
         list->erase(std::unique(list->begin(), list->end()), list->end());
