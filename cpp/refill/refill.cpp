@@ -35,73 +35,98 @@ std::size_t tets_of(const sampling::RestrictedDelaunay &complex) {
         std::count_if(complex.region.begin(), complex.region.end(), [](int region) { return region >= 0; }));
 }
 
-/// Empty where not all facets come out.
-Refilled fill(const PinnedFacets &facets, const domain::Reference &reference, const domain::InputMesh &mesh,
-              const domain::RegionMap &map, std::span<const double> wanted, const RefillOptions &options,
-              Monitor &monitor, const Workers &workers) {
-    constexpr double apart = 0.35; // distance of new points, in sizes
-    const Keeper keeper(facets, mesh, apart);
+/// The input that is filled anew, and how.
+struct Filling {
+    const PinnedFacets &facets;
+    const domain::Reference &reference;
+    const domain::InputMesh &mesh;
+    const domain::RegionMap &map;
+    const RefillOptions &options;
+    Monitor &monitor;
+    const Workers &workers;
+    Keeper keeper;
+    std::optional<domain::Sizing> sizing{};
+    sampling::Cloud cloud{};
+    sampling::RestrictedDelaunay complex{};
+};
+
+/// Seed points, fewer and fewer until there are not too many tets, and triangulate them; false if a facet is missing.
+bool seed(Filling &fill, std::span<const double> wanted) {
+    constexpr int tries = 5;
+    constexpr double spare = 1.02; // sizes grow by so much more than the number of tets asks for
+    const RefillOptions &options = fill.options;
     Random random(options.seed);
-    sampling::Cloud cloud;
-    sampling::RestrictedDelaunay complex;
     domain::SizingForm sizes;
     sizes.tolerance = sizes.thickness = 1e100; // the surface does not change: neither bend nor thickness matters,
     sizes.sharp = false;                       // nor how sharp its edges are
     sizes.coarsen = options.size;
-    std::optional<domain::Sizing> sizing;
-    constexpr int tries = 5;
     for (int k = 0; k < tries; ++k) {
-        sizing.emplace(reference, mesh, map, sizes, wanted, workers);
-        cloud = seeds(facets, reference, mesh, map, *sizing, options.seeds, random);
-        keeper.clear(cloud);
-        if (!keeper.triangulate(cloud, complex))
-            return {};
-        const double share = static_cast<double>(tets_of(complex) + facets.kept()) /
-                             (options.most * static_cast<double>(mesh.tets.size()));
+        fill.sizing.emplace(fill.reference, fill.mesh, fill.map, sizes, wanted, fill.workers);
+        fill.cloud = seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random);
+        fill.keeper.clear(fill.cloud);
+        if (!fill.keeper.triangulate(fill.cloud, fill.complex))
+            return false;
+        const double share = static_cast<double>(tets_of(fill.complex) + fill.facets.kept()) /
+                             (options.most * static_cast<double>(fill.mesh.tets.size()));
         if (share <= 1.0)
             break;
-        sizes.coarsen *= 1.02 * std::cbrt(share);
+        sizes.coarsen *= spare * std::cbrt(share);
     }
-    for (int sweep = 0; sweep < options.sweeps && !monitor.stopped(); ++sweep) {
-        if (sweep > 0 && !keeper.triangulate(cloud, complex))
-            return {};
-        sampling::relax(cloud, reference, complex, options.step, workers);
-        keeper.clear(cloud);
-        if (sweep % 8 == 7)
-            for (std::size_t i = 0; i < cloud.count(); ++i)
-                cloud.size[i] = sizing->at(cloud.points[i]);
-        monitor.work(complex.all.tets.size(), 0.5 * sweep / options.sweeps);
+    return true;
+}
+
+/// Spread the points evenly for their sizes; false if a facet is missing.
+bool relax(Filling &fill) {
+    constexpr int renewed = 8; // sweeps after which sizes are asked for anew
+    const RefillOptions &options = fill.options;
+    for (int sweep = 0; sweep < options.sweeps && !fill.monitor.stopped(); ++sweep) {
+        if (sweep > 0 && !fill.keeper.triangulate(fill.cloud, fill.complex))
+            return false;
+        sampling::relax(fill.cloud, fill.reference, fill.complex, options.step, fill.workers);
+        fill.keeper.clear(fill.cloud);
+        if (sweep % renewed == renewed - 1)
+            for (std::size_t i = 0; i < fill.cloud.count(); ++i)
+                fill.cloud.size[i] = fill.sizing->at(fill.cloud.points[i]);
+        fill.monitor.work(fill.complex.all.tets.size(), 0.5 * sweep / options.sweeps);
     }
+    return true;
+}
+
+/// Move the points downhill, and triangulate them anew, as long as that brings fewer bad tets; returns the mesh with
+/// fewest.
+Refilled descend(Filling &fill) {
+    constexpr int vain = 4; // rounds without fewer bad tets after which it ends
+    const RefillOptions &options = fill.options;
     energy::EnergyForm energy = options.energy;
     if (!options.cosines)
         energy.weight2 = 0.0;
     Refilled best;
     std::size_t least = 0;
     int since = 0;
-    for (int round = 0; round <= options.rounds && !monitor.stopped() && since <= 4; ++round) {
-        if (!keeper.triangulate(cloud, complex))
+    for (int round = 0; round <= options.rounds && !fill.monitor.stopped() && since <= vain; ++round) {
+        if (!fill.keeper.triangulate(fill.cloud, fill.complex))
             break;
-        const sampling::Tally tally = sampling::count_bad(cloud, complex, options.cosines);
+        const sampling::Tally tally = sampling::count_bad(fill.cloud, fill.complex, options.cosines);
         if (best.tets.empty() || tally.bad < least) {
             least = tally.bad;
             std::vector<double> size;
-            for (const Vec3 &p : mesh.points)
-                size.push_back(sizing->at(p));
-            best = merged(cloud, complex, facets, mesh, size);
+            for (const Vec3 &p : fill.mesh.points)
+                size.push_back(fill.sizing->at(p));
+            best = merged(fill.cloud, fill.complex, fill.facets, fill.mesh, size);
             since = 0;
         } else {
             ++since;
         }
-        monitor.set_bad(static_cast<std::int64_t>(least));
-        const std::vector<Vec3> direction(cloud.count());
-        const std::vector<char> curved(cloud.count(), 0);
+        fill.monitor.set_bad(static_cast<std::int64_t>(least));
+        const std::vector<Vec3> direction(fill.cloud.count());
+        const std::vector<char> curved(fill.cloud.count(), 0);
         const std::size_t evaluations =
-            sampling::descend(cloud, complex, direction, energy, sampling::EdgeForm{.weight = 0.0}, curved,
+            sampling::descend(fill.cloud, fill.complex, direction, energy, sampling::EdgeForm{.weight = 0.0}, curved,
                               sampling::FitForm{}, {}, options.iterations, options.reach);
-        keeper.clear(cloud);
-        monitor.work(evaluations, 0.5 + 0.5 * round / options.rounds);
+        fill.keeper.clear(fill.cloud);
+        fill.monitor.work(evaluations, 0.5 + 0.5 * round / options.rounds);
     }
-    best.stopped = monitor.stopped();
+    best.stopped = fill.monitor.stopped();
     return best;
 }
 
@@ -110,10 +135,12 @@ Refilled fill(const PinnedFacets &facets, const domain::Reference &reference, co
 Refilled refill(const domain::Reference &reference, const domain::InputMesh &mesh, const std::vector<char> &pinned,
                 std::span<const Edge> edges, std::span<const double> wanted, const RefillOptions &options,
                 Monitor &monitor, const Workers &workers) {
-    return fill_between(reference, mesh, pinned, edges, monitor,
-                        [&](const PinnedFacets &facets, const domain::RegionMap &map) {
-                            return fill(facets, reference, mesh, map, wanted, options, monitor, workers);
-                        });
+    constexpr double apart = 0.35; // distance of new points, in sizes
+    return fill_between(
+        reference, mesh, pinned, edges, monitor, [&](const PinnedFacets &facets, const domain::RegionMap &map) {
+            Filling fill{facets, reference, mesh, map, options, monitor, workers, Keeper(facets, mesh, apart)};
+            return seed(fill, wanted) && relax(fill) ? descend(fill) : Refilled{};
+        });
 }
 
 } // namespace wct::refill

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace wct::sampling {
 
@@ -24,10 +25,6 @@ bool wanted(const std::optional<PartialRenewal> &renewal, const Vec3 &center, do
     return !renewal || renewal->reaches(center, radius);
 }
 
-double size_at(const domain::Sizing &sizing, const Vec3 &p) {
-    return sizing.at(p);
-}
-
 /// Whether an edge across the curve's vertex k would leave the tolerance. Along other curves facets of curved patches,
 /// which stand out to both sides, see to it that nothing is lost; the corners of a wire or a flat rim must stay.
 bool keeps_corner(const domain::Reference &reference, const domain::Sizing &sizing, int c, int k) {
@@ -37,78 +34,111 @@ bool keeps_corner(const domain::Reference &reference, const domain::Sizing &sizi
     const auto &points = reference.data().points;
     const Vec3 &p = points[curve.vertices[k]];
     const double turn = angle(p - points[curve.at(k == 0 ? curve.steps() - 1 : k - 1)], points[curve.at(k + 1)] - p);
-    return 0.5 * size_at(sizing, p) * std::sin(0.5 * turn) > sizing.form().tolerance_at(curve.vertices[k]);
+    return 0.5 * sizing.at(p) * std::sin(0.5 * turn) > sizing.form().tolerance_at(curve.vertices[k]);
+}
+
+/// Arc length along a curve in units of the local edge length, on a polyline fine enough for the size field.
+struct CurveSteps {
+    struct Step {
+        Vec3 from, to;
+        double before, length;
+    };
+    std::vector<Step> steps;
+    double total = 0.0;
+    std::vector<double> kept; // where the curve's own corners are
+
+    /// The point so far along the curve.
+    Vec3 at(double wanted) const {
+        const auto after = std::partition_point(steps.begin(), steps.end() - 1,
+                                                [&](const Step &s) { return s.before + s.length < wanted; });
+        const double t = after->length > 0.0 ? (wanted - after->before) / after->length : 0.0;
+        return after->from + t * (after->to - after->from);
+    }
+};
+
+CurveSteps measure_curve(const domain::Reference &reference, const domain::Sizing &sizing, int c) {
+    constexpr double fine = 0.25; // longest step, in edge lengths
+    constexpr int most = 100000;  // steps to a segment
+    const auto &points = reference.data().points;
+    const domain::Curve &curve = reference.curves()[c];
+    const bool own = sizing.sharp().of_curve(c);
+    CurveSteps out;
+    for (int k = 0; k < curve.steps(); ++k) {
+        if (keeps_corner(reference, sizing, c, k))
+            out.kept.push_back(out.total);
+        const int l = (k + 1) % static_cast<int>(curve.vertices.size());
+        const Vec3 a = points[curve.vertices[k]] + curve.shift[k];
+        const Vec3 b = points[curve.vertices[l]] + curve.shift[l];
+        const double near = std::min(sizing.at(a), sizing.at(b));
+        const int parts = std::clamp(static_cast<int>(std::ceil(norm(b - a) / (fine * near))), 1, most);
+        for (int j = 0; j < parts; ++j) {
+            const Vec3 p = a + (static_cast<double>(j) / parts) * (b - a);
+            const Vec3 q = a + (static_cast<double>(j + 1) / parts) * (b - a);
+            const Vec3 middle = 0.5 * (p + q);
+            const domain::SharpFoot sharp = own ? domain::SharpFoot{} : sizing.cleared_by(middle);
+            const double length = norm(q - p) / (sharp.edge < 0 ? sizing.at(middle) : sizing.clearance(sharp));
+            out.steps.push_back({p, q, out.total, length});
+            out.total += length;
+        }
+    }
+    return out;
+}
+
+/// The ends of the parts that a curve is seeded in, each evenly: its ends, or where it is closed any point twice, and
+/// the corners that it keeps.
+std::vector<double> parts_of(const domain::Curve &curve, const CurveSteps &measured) {
+    std::vector<double> ends = measured.kept;
+    if (!curve.closed) {
+        ends.insert(ends.begin(), 0.0);
+        ends.push_back(measured.total);
+    } else {
+        ends.push_back(ends.empty() ? 0.0 : ends.front());
+        ends.back() += measured.total;
+        if (ends.size() == 1)
+            ends.insert(ends.begin(), 0.0);
+    }
+    return ends;
 }
 
 void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing) {
-    const auto &points = reference.data().points;
-    for (std::size_t c = 0; c < reference.curves().size(); ++c) {
+    for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c) {
         const domain::Curve &curve = reference.curves()[c];
         if (curve.vertices.size() < 2)
             continue;
-        const bool own = sizing.sharp().of_curve(static_cast<int>(c));
-        // Arc length in units of the local edge length, on a polyline fine enough for the size field.
-        struct Step {
-            Vec3 from, to;
-            double before, length;
-        };
-        std::vector<Step> steps;
-        double total = 0.0;
-        std::vector<double> kept; // where the curve's own corners are
-        for (int k = 0; k < curve.steps(); ++k) {
-            if (keeps_corner(reference, sizing, static_cast<int>(c), k))
-                kept.push_back(total);
-            const int l = (k + 1) % static_cast<int>(curve.vertices.size());
-            const Vec3 a = points[curve.vertices[k]] + curve.shift[k];
-            const Vec3 b = points[curve.vertices[l]] + curve.shift[l];
-            const double near = std::min(size_at(sizing, a), size_at(sizing, b));
-            const int parts = std::clamp(static_cast<int>(std::ceil(norm(b - a) / (0.25 * near))), 1, 100000);
-            for (int j = 0; j < parts; ++j) {
-                const Vec3 p = a + (static_cast<double>(j) / parts) * (b - a);
-                const Vec3 q = a + (static_cast<double>(j + 1) / parts) * (b - a);
-                const Vec3 middle = 0.5 * (p + q);
-                const domain::SharpFoot sharp = own ? domain::SharpFoot{} : sizing.cleared_by(middle);
-                const double length =
-                    norm(q - p) / (sharp.edge < 0 ? size_at(sizing, middle) : sizing.clearance(sharp));
-                steps.push_back({p, q, total, length});
-                total += length;
-            }
-        }
-        const auto put = [&](double wanted) {
-            const auto after = std::partition_point(steps.begin(), steps.end() - 1,
-                                                    [&](const Step &s) { return s.before + s.length < wanted; });
-            const double t = after->length > 0.0 ? (wanted - after->before) / after->length : 0.0;
-            const Vec3 p = after->from + t * (after->to - after->from);
-            cloud.add(p, Stratum::crease, static_cast<int>(c), size_at(sizing, p));
-        };
-        // Evenly from one of them to the next.
-        if (!curve.closed) {
-            kept.insert(kept.begin(), 0.0);
-            kept.push_back(total);
-        } else {
-            kept.push_back(kept.empty() ? 0.0 : kept.front());
-            kept.back() += total;
-            if (kept.size() == 1)
-                kept.insert(kept.begin(), 0.0);
-        }
-        for (std::size_t i = 0; i + 1 < kept.size(); ++i) {
-            const double length = kept[i + 1] - kept[i];
-            const int least = kept.size() == 2 ? curve.least_edges() : 1;
+        const CurveSteps measured = measure_curve(reference, sizing, c);
+        const std::vector<double> ends = parts_of(curve, measured);
+        for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+            const double length = ends[i + 1] - ends[i];
+            const int least = ends.size() == 2 ? curve.least_edges() : 1;
             const int count = std::max(least, static_cast<int>(std::lround(length)));
             const bool at_end = i == 0 && !curve.closed; // where there is a corner of the surface
             for (int k = at_end ? 1 : 0; k < count; ++k) {
-                put(std::fmod(kept[i] + length * k / count, total));
-                if (k == 0 && kept.size() > 2)
+                const Vec3 p = measured.at(std::fmod(ends[i] + length * k / count, measured.total));
+                cloud.add(p, Stratum::crease, c, sizing.at(p));
+                if (k == 0 && ends.size() > 2)
                     cloud.held.back() = Hold::relaxation;
             }
         }
     }
 }
 
-/// Grow a triangular pattern over the patches from their rims, or from one point where there is no rim: each point in
+/// Grows a triangular pattern over the patches from their rims, or from one point where there is no rim: each point in
 /// turn offers its six neighbours, an edge length away.
-void grow_patches(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing, const SeedForm &form,
-                  const std::optional<PartialRenewal> &renewal, PointGrid &grid, Random &random) {
+class PatternGrowth {
+  public:
+    PatternGrowth(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing, const SeedForm &form,
+                  const std::optional<PartialRenewal> &renewal, PointGrid &grid)
+        : cloud_(cloud), reference_(reference), sizing_(sizing), form_(form), renewal_(renewal), grid_(grid),
+          rimmed_(reference.patches(), 0) {}
+
+    void grow(Random &random) {
+        start_at_rims();
+        start_elsewhere(random);
+        for (std::size_t at = 0; at < queue_.size(); ++at)
+            offer_neighbours(Front{queue_[at]});
+    }
+
+  private:
     struct Front {
         Vec3 point;
         Vec3 along;
@@ -116,120 +146,171 @@ void grow_patches(Cloud &cloud, const domain::Reference &reference, const domain
         int patch;
         int near; // a triangle there, -1: none is known
     };
-    const auto &data = reference.data();
-    std::vector<Front> queue;
-    std::vector<char> rimmed(reference.patches(), 0);
-    for (std::size_t i = 0; i < cloud.count(); ++i) {
-        if (cloud.role[i] != Stratum::crease || !wanted(renewal, cloud.points[i]))
-            continue;
-        const Vec3 tangent = reference.nearest_on_curve(cloud.points[i], cloud.label[i]).tangent;
-        for (const int patch : reference.patches_at_curve(cloud.label[i])) {
-            queue.push_back({cloud.points[i], tangent, cloud.size[i], patch, -1});
-            rimmed[patch] = 1;
+
+    void start_at_rims() {
+        for (std::size_t i = 0; i < cloud_.count(); ++i) {
+            if (cloud_.role[i] != Stratum::crease || !wanted(renewal_, cloud_.points[i]))
+                continue;
+            const Vec3 tangent = reference_.nearest_on_curve(cloud_.points[i], cloud_.label[i]).tangent;
+            for (const int patch : reference_.patches_at_curve(cloud_.label[i])) {
+                queue_.push_back({cloud_.points[i], tangent, cloud_.size[i], patch, -1});
+                rimmed_[patch] = 1;
+            }
         }
     }
-    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
-        const int patch = data.patch[t];
-        const Vec3 p = data.points[data.triangles[t][0]];
-        if (rimmed[patch] || !wanted(renewal, p))
-            continue;
-        rimmed[patch] = 1;
-        const double size = size_at(sizing, p);
-        const double turn = 6.283185307179586 * random.uniform();
-        const Vec3 u = domain::across(reference.normal(static_cast<int>(t)));
-        const Vec3 v = cross(reference.normal(static_cast<int>(t)), u);
-        if (grid.crowded(p, form.front_spacing * size))
-            continue;
-        grid.add(p, form.front_spacing * size);
-        cloud.add(p, Stratum::patch, patch, size);
-        queue.push_back({p, std::cos(turn) * u + std::sin(turn) * v, size, patch, static_cast<int>(t)});
+
+    void start_elsewhere(Random &random) {
+        const auto &data = reference_.data();
+        for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+            const int patch = data.patch[t];
+            const Vec3 p = data.points[data.triangles[t][0]];
+            if (rimmed_[patch] || !wanted(renewal_, p))
+                continue;
+            rimmed_[patch] = 1;
+            const double turn = 2.0 * std::numbers::pi * random.uniform();
+            const Vec3 u = domain::across(reference_.normal(static_cast<int>(t)));
+            const Vec3 v = cross(reference_.normal(static_cast<int>(t)), u);
+            put(p, std::cos(turn) * u + std::sin(turn) * v, patch, static_cast<int>(t));
+        }
     }
-    for (std::size_t at = 0; at < queue.size(); ++at) {
-        const Front front = queue[at];
-        const domain::Foot here = reference.nearest(front.point, front.patch, front.near);
-        const Vec3 n = reference.smooth_normal(here);
+
+    /// A new point, unless others crowd it; it will offer neighbours in its turn.
+    void put(const Vec3 &p, const Vec3 &along, int patch, int near) {
+        const double size = sizing_.at(p);
+        if (grid_.crowded(p, form_.front_spacing * size))
+            return;
+        grid_.add(p, form_.front_spacing * size);
+        cloud_.add(p, Stratum::patch, patch, size);
+        queue_.push_back({p, along, size, patch, near});
+    }
+
+    void offer_neighbours(const Front &front) {
+        constexpr int sides = 6;
+        const domain::Foot here = reference_.nearest(front.point, front.patch, front.near);
+        const Vec3 n = reference_.smooth_normal(here);
         const Vec3 u = unit(front.along - dot(front.along, n) * n);
         const Vec3 v = cross(n, u);
-        for (int k = 0; k < 6; ++k) {
-            const double turn = 1.0471975511965976 * k;
-            const Vec3 d = std::cos(turn) * u + std::sin(turn) * v;
-            Vec3 p = front.point + front.size * d;
-            const double middle = size_at(sizing, 0.5 * (front.point + p));
-            bool found = true;
+        for (int k = 0; k < sides; ++k) {
+            const double turn = std::numbers::pi / 3.0 * k;
             int near = here.triangle;
-            for (int pass = 0; pass < 2 && found; ++pass) {
-                p = front.point + middle * (pass == 0 ? d : unit(p - front.point));
-                const domain::Foot foot = reference.nearest(p, front.patch, near);
-                near = foot.triangle;
-                found = pass == 0 || foot.distance < 0.2 * middle;
-                p = foot.point;
-            }
-            if (!found)
-                continue;
-            const double size = size_at(sizing, p);
-            if (!wanted(renewal, p) || grid.crowded(p, form.front_spacing * size))
-                continue;
-            grid.add(p, form.front_spacing * size);
-            cloud.add(p, Stratum::patch, front.patch, size);
-            queue.push_back({p, p - front.point, size, front.patch, near});
+            const auto p = reach(front, std::cos(turn) * u + std::sin(turn) * v, near);
+            if (p && wanted(renewal_, *p))
+                put(*p, *p - front.point, front.patch, near);
         }
     }
-}
 
-void seed_patches(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing, const SeedForm &form,
-                  const std::optional<PartialRenewal> &renewal, Random &random) {
-    constexpr double kTries = 40.0; // darts per edge length squared: few holes are left
-    const auto &data = reference.data();
-    PointGrid grid;
-    for (std::size_t i = 0; i < cloud.count(); ++i)
-        grid.add(cloud.points[i], form.patch_spacing * cloud.size[i]);
-    grow_patches(cloud, reference, sizing, form, renewal, grid, random);
-    struct Dart {
-        Vec3 point;
-        double size;
-        int patch;
-        double order;
-    };
-    std::vector<Dart> darts;
-    double carried = 0.0; // so that many small triangles get their share of darts too
-    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
+    /// The point of the patch an edge length away in this direction, or none where the patch ends before.
+    std::optional<Vec3> reach(const Front &front, const Vec3 &direction, int &near) const {
+        constexpr double off = 0.2; // how far off the patch it may be, in edge lengths
+        Vec3 p = front.point + front.size * direction;
+        const double middle = sizing_.at(0.5 * (front.point + p));
+        p = front.point + middle * direction;
+        domain::Foot foot = reference_.nearest(p, front.patch, near);
+        p = front.point + middle * unit(foot.point - front.point);
+        foot = reference_.nearest(p, front.patch, foot.triangle);
+        near = foot.triangle;
+        return foot.distance < off * middle ? std::optional(foot.point) : std::nullopt;
+    }
+
+    Cloud &cloud_;
+    const domain::Reference &reference_;
+    const domain::Sizing &sizing_;
+    const SeedForm &form_;
+    const std::optional<PartialRenewal> &renewal_;
+    PointGrid &grid_;
+    std::vector<Front> queue_;
+    std::vector<char> rimmed_; // per patch: whether it has a point to grow from
+};
+
+/// A random point of a patch.
+struct Dart {
+    Vec3 point;
+    double size;
+    int patch;
+    double order;
+};
+
+/// Throws darts at the triangles of patches, each as many as its area has squared edge lengths.
+class DartThrower {
+  public:
+    DartThrower(const domain::Reference &reference, const domain::Sizing &sizing,
+                const std::optional<PartialRenewal> &renewal, Random &random)
+        : reference_(reference), sizing_(sizing), renewal_(renewal), random_(random) {}
+
+    /// In random order.
+    std::vector<Dart> darts() {
+        for (int t = 0; t < static_cast<int>(reference_.data().triangles.size()); ++t)
+            cut_up(t);
+        std::sort(darts_.begin(), darts_.end(), [](const Dart &a, const Dart &b) { return a.order < b.order; });
+        return std::move(darts_);
+    }
+
+  private:
+    static constexpr double kTries = 40.0; // darts per edge length squared: few holes are left
+    static constexpr double kPart = 2.0;   // longest edge of a part of a triangle, in edge lengths
+    static constexpr int kMostCuts = 64;   // parts to a triangle's edge
+
+    /// A triangle larger than its sizes is cut up, so that graded sizes get their share of darts.
+    void cut_up(int t) {
+        const auto &data = reference_.data();
         const auto &[a, b, c] = data.triangles[t];
-        const Vec3 &pa = data.points[a];
-        const Vec3 &pb = data.points[b];
-        const Vec3 &pc = data.points[c];
-        // A triangle larger than its sizes is cut up, so that graded sizes get their share of darts.
+        const std::array<Vec3, 3> corners{data.points[a], data.points[b], data.points[c]};
+        const auto &[pa, pb, pc] = corners;
         const Vec3 middle = (1.0 / 3.0) * (pa + pb + pc);
         const double longest = std::max({norm(pb - pa), norm(pc - pb), norm(pa - pc)});
-        if (!wanted(renewal, middle, longest))
-            continue;
-        const double here = size_at(sizing, middle);
-        const int cuts = std::clamp(static_cast<int>(std::ceil(longest / (2.0 * here))), 1, 64);
+        if (!wanted(renewal_, middle, longest))
+            return;
+        const double here = sizing_.at(middle);
+        const int cuts = std::clamp(static_cast<int>(std::ceil(longest / (kPart * here))), 1, kMostCuts);
         for (int i = 0; i < cuts; ++i)
             for (int j = 0; j < 2 * (cuts - i) - 1; ++j) {
                 const bool up = j % 2 == 0;
-                const double u0 = static_cast<double>(i + (up ? 0 : 1)) / cuts;
-                const double v0 = static_cast<double>(j / 2 + (up ? 0 : 1)) / cuts;
+                const double u = static_cast<double>(i + (up ? 0 : 1)) / cuts;
+                const double v = static_cast<double>(j / 2 + (up ? 0 : 1)) / cuts;
                 const double step = (up ? 1.0 : -1.0) / cuts;
-                const auto at = [&](double u, double v) { return pa + u * (pb - pa) + v * (pc - pa); };
-                const double h = cuts == 1 ? here : size_at(sizing, at(u0 + step / 3.0, v0 + step / 3.0));
-                carried += kTries * reference.area(static_cast<int>(t)) / (cuts * cuts * h * h);
-                for (; carried >= 1.0; carried -= 1.0) {
-                    double u = random.uniform();
-                    double v = random.uniform();
-                    if (u + v > 1.0) {
-                        u = 1.0 - u;
-                        v = 1.0 - v;
-                    }
-                    const Vec3 p = at(u0 + step * u, v0 + step * v);
-                    darts.push_back({p, h, data.patch[t], random.uniform()});
-                }
+                const double size = cuts == 1 ? here : sizing_.at(at(corners, u + step / 3.0, v + step / 3.0));
+                carried_ += kTries * reference_.area(t) / (cuts * cuts * size * size);
+                throw_at(corners, u, v, step, size, data.patch[t]);
             }
     }
-    std::sort(darts.begin(), darts.end(), [](const Dart &a, const Dart &b) { return a.order < b.order; });
-    for (Dart &dart : darts) {
-        if (grid.crowded(dart.point, 0.9 * form.patch_spacing * dart.size)) // sizes vary little over so short a way
+
+    /// At the part of a triangle that starts at (u, v) and is `step` of it.
+    void throw_at(const std::array<Vec3, 3> &corners, double u0, double v0, double step, double size, int patch) {
+        for (; carried_ >= 1.0; carried_ -= 1.0) {
+            double u = random_.uniform();
+            double v = random_.uniform();
+            if (u + v > 1.0) {
+                u = 1.0 - u;
+                v = 1.0 - v;
+            }
+            const Vec3 p = at(corners, u0 + step * u, v0 + step * v);
+            darts_.push_back({p, size, patch, random_.uniform()});
+        }
+    }
+
+    static Vec3 at(const std::array<Vec3, 3> &corners, double u, double v) {
+        return corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+    }
+
+    const domain::Reference &reference_;
+    const domain::Sizing &sizing_;
+    const std::optional<PartialRenewal> &renewal_;
+    Random &random_;
+    std::vector<Dart> darts_;
+    double carried_ = 0.0; // parts of darts, so that many small triangles get their share of them too
+};
+
+void seed_patches(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing, const SeedForm &form,
+                  const std::optional<PartialRenewal> &renewal, Random &random) {
+    constexpr double surely = 0.9; // sizes vary little over so short a way as to a point this much closer
+    PointGrid grid;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        grid.add(cloud.points[i], form.patch_spacing * cloud.size[i]);
+    PatternGrowth(cloud, reference, sizing, form, renewal, grid).grow(random);
+    for (Dart &dart : DartThrower(reference, sizing, renewal, random).darts()) {
+        if (grid.crowded(dart.point, surely * form.patch_spacing * dart.size))
             continue;
-        dart.size = size_at(sizing, dart.point);
+        dart.size = sizing.at(dart.point);
         const double radius = form.patch_spacing * dart.size;
         if (!grid.crowded(dart.point, radius)) {
             grid.add(dart.point, radius);
@@ -363,7 +444,7 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
                  Random &random, const Workers &workers) {
     Cloud cloud;
     for (const int v : reference.data().corners)
-        cloud.add(reference.data().points[v], Stratum::corner, v, size_at(sizing, reference.data().points[v]));
+        cloud.add(reference.data().points[v], Stratum::corner, v, sizing.at(reference.data().points[v]));
     seed_curves(cloud, reference, sizing);
     if (held)
         held->put(cloud, sizing);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 namespace wct::sampling {
 
@@ -61,6 +62,83 @@ void tie_facet(const Cloud &cloud, const domain::Reference &reference, const std
     }
 }
 
+/// Per point the ties that it is a corner of.
+class TieUses {
+  public:
+    struct Use {
+        int tie;
+        double slope; // of the tie's height when the point rises
+    };
+
+    TieUses(std::size_t points, const std::vector<Tie> &ties, const std::vector<Vec3> &direction)
+        : first_(points + 1, 0) {
+        for (const Tie &tie : ties)
+            for (const int v : tie.corner)
+                ++first_[v + 1];
+        for (std::size_t v = 0; v < points; ++v)
+            first_[v + 1] += first_[v];
+        uses_.resize(first_.back());
+        auto next = first_;
+        for (std::size_t t = 0; t < ties.size(); ++t)
+            for (int k = 0; k < 3; ++k) {
+                const int v = ties[t].corner[k];
+                uses_[next[v]++] = {static_cast<int>(t), ties[t].weight[k] * dot(ties[t].normal, direction[v])};
+            }
+    }
+
+    std::span<const Use> of(int point) const {
+        return {uses_.data() + first_[point], uses_.data() + first_[point + 1]};
+    }
+
+  private:
+    std::vector<std::size_t> first_;
+    std::vector<Use> uses_;
+};
+
+/// A point that rises and sinks.
+struct Riser {
+    int point;
+    double at;     // height over the patch
+    double wanted; // the offset there
+};
+
+/// Points of curved patches that are not held and have a tie.
+std::vector<Riser> find_risers(const Cloud &cloud, const domain::Reference &reference, const TieUses &uses,
+                               const std::vector<Vec3> &direction, const Workers &workers) {
+    std::vector<Riser> risers;
+    for (int v = 0; v < static_cast<int>(cloud.count()); ++v)
+        if (cloud.role[v] == Stratum::patch && !reference.planar(cloud.label[v]) && cloud.held[v] < Hold::all &&
+            !uses.of(v).empty())
+            risers.push_back({v, 0.0, 0.0});
+    workers.for_each(risers.size(), 512, [&](std::size_t i) {
+        const int v = risers[i].point;
+        Vec3 base = cloud.points[v];
+        const domain::Foot foot = reference.nearest(base, cloud.label[v], cloud.near[v]);
+        reference.to_patch(base, foot);
+        risers[i].at = dot(cloud.points[v] - foot.point, direction[v]);
+        risers[i].wanted = dot(base - foot.point, direction[v]);
+    });
+    return risers;
+}
+
+/// The height that a point is to rise to: one step of Newton's on the penalties of its ties that are too long and on
+/// the way to its offset.
+double height_of(const Riser &r, std::span<const TieUses::Use> uses, const std::vector<double> &height,
+                 const FitForm &form) {
+    const double scale = 1.0 / form.limit;
+    double slope = form.pull * (r.at - r.wanted) * scale;
+    double bend = form.pull * scale;
+    for (const TieUses::Use &use : uses) {
+        const double h = height[use.tie];
+        const double over = std::fabs(h) * scale - 1.0;
+        if (over <= 0.0)
+            continue;
+        slope += std::copysign(over, h) * use.slope;
+        bend += scale * use.slope * use.slope;
+    }
+    return std::clamp(r.at - slope / bend, -form.shell, form.shell);
+}
+
 } // namespace
 
 std::vector<Tie> tie_surface(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
@@ -96,67 +174,21 @@ std::vector<Tie> tie_surface(const Cloud &cloud, const RestrictedDelaunay &compl
 
 void fit_heights(Cloud &cloud, const domain::Reference &reference, const std::vector<Tie> &ties,
                  const std::vector<Vec3> &direction, const FitForm &form, const Workers &workers) {
-    constexpr int kSweeps = 10;
-    struct Use {
-        int tie;
-        double slope; // of the tie's height when the point rises
-    };
+    constexpr int sweeps = 10;
     std::vector<double> height;
     height.reserve(ties.size());
     for (const Tie &tie : ties)
         height.push_back(dot(tie.normal, blend(cloud, tie)) - tie.level);
-    std::vector<std::size_t> first(cloud.count() + 1, 0);
-    for (const Tie &tie : ties)
-        for (const int v : tie.corner)
-            ++first[v + 1];
-    for (std::size_t v = 0; v < cloud.count(); ++v)
-        first[v + 1] += first[v];
-    std::vector<Use> uses(first.back());
-    auto next = first;
-    for (std::size_t t = 0; t < ties.size(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const int v = ties[t].corner[k];
-            uses[next[v]++] = {static_cast<int>(t), ties[t].weight[k] * dot(ties[t].normal, direction[v])};
-        }
-    struct Riser {
-        int point;
-        double at;     // height over the patch
-        double wanted; // the offset there
-    };
-    std::vector<Riser> risers;
-    for (std::size_t v = 0; v < cloud.count(); ++v) {
-        if (cloud.role[v] != Stratum::patch || reference.planar(cloud.label[v]) || cloud.held[v] >= Hold::all ||
-            first[v] == first[v + 1])
-            continue;
-        risers.push_back({static_cast<int>(v), 0.0, 0.0});
-    }
-    workers.for_each(risers.size(), 512, [&](std::size_t i) {
-        const int v = risers[i].point;
-        Vec3 base = cloud.points[v];
-        const domain::Foot foot = reference.nearest(base, cloud.label[v], cloud.near[v]);
-        reference.to_patch(base, foot);
-        risers[i].at = dot(cloud.points[v] - foot.point, direction[v]);
-        risers[i].wanted = dot(base - foot.point, direction[v]);
-    });
-    const double scale = 1.0 / form.limit;
-    for (int sweep = 0; sweep < kSweeps; ++sweep)
+    const TieUses uses(cloud.count(), ties, direction);
+    std::vector<Riser> risers = find_risers(cloud, reference, uses, direction, workers);
+    for (int sweep = 0; sweep < sweeps; ++sweep)
         for (Riser &r : risers) {
-            double slope = form.pull * (r.at - r.wanted) * scale;
-            double bend = form.pull * scale;
-            for (std::size_t k = first[r.point]; k < first[r.point + 1]; ++k) {
-                const double h = height[uses[k].tie];
-                const double over = std::fabs(h) * scale - 1.0;
-                if (over <= 0.0)
-                    continue;
-                slope += std::copysign(over, h) * uses[k].slope;
-                bend += scale * uses[k].slope * uses[k].slope;
-            }
-            const double to = std::clamp(r.at - slope / bend, -form.shell, form.shell);
+            const double to = height_of(r, uses.of(r.point), height, form);
             const double rise = to - r.at;
             r.at = to;
             cloud.points[r.point] += rise * direction[r.point];
-            for (std::size_t k = first[r.point]; k < first[r.point + 1]; ++k)
-                height[uses[k].tie] += rise * uses[k].slope;
+            for (const TieUses::Use &use : uses.of(r.point))
+                height[use.tie] += rise * use.slope;
         }
 }
 
