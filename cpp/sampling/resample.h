@@ -35,7 +35,9 @@ struct ResampleOptions {
     static constexpr double shell = 0.95;  // no offset beyond this share of the tolerance
     static constexpr int sweeps = 25;      // of relaxation
     static constexpr double step = 0.7;
-    static constexpr int mend_from = 4;     // sweep after which holes are filled and crowds thinned
+    static constexpr int mend_from = 4;     // sweep from which holes are filled and crowds thinned
+    static constexpr int mend_every = 4;    // sweeps, but in the last of them
+    static constexpr int refresh_every = 8; // sweeps after which points ask for their sizes anew
     static constexpr double longest = 1.38; // surface edge, in sizes
     static constexpr double shortest = 0.62;
     static constexpr int rounds = 20; // of descent
