@@ -160,28 +160,35 @@ def run_batch(
             stack.callback(executor.stop)
             manifest.open(resume=resume or retry_failed)
             started = True
-            waiting, found = [], []
-            for task in tasks:
-                job = make(task.source, task.name)
-                known = manifest.finished(job)
-                if known is None or (retry_failed and known.failed):
-                    waiting.append(job)
-                else:
-                    found.append(known)
+            waiting, found = _sorted_out([make(task.source, task.name) for task in tasks], manifest, again=retry_failed)
             found += _run(waiting, found, manifest, executor, progress or _silent)
         csv, html = (target / f"summary{part}.{form}" for form in ("csv", "html"))
-        for path, text in (
-            (csv, summary.to_csv(found)),
-            (html, summary.to_html(found, f"Batch {target.resolve().name}{part}")),
-        ):
-            with atomic_files.replacing(path) as temporary:
-                temporary.write_text(text, encoding="utf-8")
+        _write_summaries(found, csv, html, f"Batch {target.resolve().name}{part}")
     except (KeyboardInterrupt, OutputError) as error:
         if started or isinstance(error, KeyboardInterrupt):
             count = manifest.count(make(one.source, one.name) for one in tasks)
             error.args = ("; ".join([*map(str, error.args), f"{count} of {len(tasks)} files are finished"]),)
         raise
     return BatchResult(tuple(summary.ordered(found)), len(waiting), csv, html)
+
+
+def _sorted_out(jobs: Sequence[Job], manifest: Manifest, *, again: bool) -> tuple[list[Job], list[Record]]:
+    """The jobs that are to be done, and the records of the others; ``again``: those that failed are to be done."""
+    waiting: list[Job] = []
+    found: list[Record] = []
+    for job in jobs:
+        known = manifest.finished(job)
+        if known is None or (again and known.failed):
+            waiting.append(job)
+        else:
+            found.append(known)
+    return waiting, found
+
+
+def _write_summaries(records: Sequence[Record], csv: Path, html: Path, title: str) -> None:
+    for path, text in ((csv, summary.to_csv(records)), (html, summary.to_html(records, title))):
+        with atomic_files.replacing(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
 
 
 def _check_limits(jobs: int | None, scheduler: str | None, **limits: float | None) -> None:

@@ -84,15 +84,7 @@ def to_mesh(
     if form.name == "VTK":  # VTK keeps blanks in names as %20
         for kind in kinds.values():
             kind.data = {unquote(name): values for name, values in kind.data.items()}
-    point_data = {
-        unquote(name) if form.name == "VTK" else str(name): _native(values)
-        for name, values in raw.point_data.items()
-        if name not in _PRIVATE
-    }
-    for name in set(TAGS) & point_data.keys() if form is not formats.PYVISTA else ():
-        point_data[name] = _whole(point_data[name])
-        if not point_data[name].any():  # the format has such a number for each point, meant or not
-            del point_data[name]
+    point_data = _point_data(raw, form)
     point_sets = {str(name): _members(ids) for name, ids in raw.point_sets.items()} | _pop_sets(point_data)
     names = _names(raw.field_data, form)
     for kind in kinds.values():
@@ -125,6 +117,20 @@ def to_mesh(
         region_name=region_name,
         element_types={kind: name for kind, name in raw.element_types.items() if name != USUAL.get(kind)},
     )
+
+
+def _point_data(raw: RawMesh, form: formats.Format) -> dict[str, NDArray[Any]]:
+    """The points' arrays, without numbers that the format has for each point whether they are meant or not."""
+    point_data = {
+        unquote(name) if form.name == "VTK" else str(name): _native(values)
+        for name, values in raw.point_data.items()
+        if name not in _PRIVATE
+    }
+    for name in set(TAGS) & point_data.keys() if form is not formats.PYVISTA else ():
+        point_data[name] = _whole(point_data[name])
+        if not point_data[name].any():
+            del point_data[name]
+    return point_data
 
 
 def _in_space(points: NDArray[Any]) -> NDArray[Any]:
