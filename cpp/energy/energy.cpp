@@ -143,6 +143,28 @@ WCT_INLINE double divisor(const Core &k, double cube) {
     return larger(k.det, 1e-12 * cube);
 }
 
+/// Add dE/dx by way of the facet angles.
+WCT_INLINE void differentiate_angles(const TetLanes *__restrict in, const ShapeLanes *__restrict s,
+                                     const SlopeLanes *__restrict slope, GradientLanes *__restrict out) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+        const EdgePull pull = pull_on_edges(*s, *slope, lane);
+        const Vec3 x0 = load(in->corner[0], lane);
+        const Vec3 x1 = load(in->corner[1], lane);
+        const Vec3 x2 = load(in->corner[2], lane);
+        const Vec3 x3 = load(in->corner[3], lane);
+        const Vec3 p01 = (2.0 * pull.on[0]) * (x1 - x0);
+        const Vec3 p02 = (2.0 * pull.on[1]) * (x2 - x0);
+        const Vec3 p03 = (2.0 * pull.on[2]) * (x3 - x0);
+        const Vec3 p12 = (2.0 * pull.on[3]) * (x2 - x1);
+        const Vec3 p13 = (2.0 * pull.on[4]) * (x3 - x1);
+        const Vec3 p23 = (2.0 * pull.on[5]) * (x3 - x2);
+        store(out->corner[0], lane, load(out->corner[0], lane) - p01 - p02 - p03);
+        store(out->corner[1], lane, load(out->corner[1], lane) + p01 - p12 - p13);
+        store(out->corner[2], lane, load(out->corner[2], lane) + p02 + p12 - p23);
+        store(out->corner[3], lane, load(out->corner[3], lane) + p03 + p13 + p23);
+    }
+}
+
 } // namespace
 
 WCT_MULTIVERSION
@@ -248,25 +270,8 @@ void differentiate(const TetLanes &tets, const ShapeLanes &shape, const SlopeLan
               on3 - (corner_weight(d12, d23, d13) * t0 + corner_weight(d02, d23, d03) * t1 +
                      corner_weight(d01, d13, d03) * t2));
     }
-    if (!cosines)
-        return;
-    for (int lane = 0; lane < kLanes; ++lane) {
-        const EdgePull pull = pull_on_edges(*s, *slope, lane);
-        const Vec3 x0 = load(in->corner[0], lane);
-        const Vec3 x1 = load(in->corner[1], lane);
-        const Vec3 x2 = load(in->corner[2], lane);
-        const Vec3 x3 = load(in->corner[3], lane);
-        const Vec3 p01 = (2.0 * pull.on[0]) * (x1 - x0);
-        const Vec3 p02 = (2.0 * pull.on[1]) * (x2 - x0);
-        const Vec3 p03 = (2.0 * pull.on[2]) * (x3 - x0);
-        const Vec3 p12 = (2.0 * pull.on[3]) * (x2 - x1);
-        const Vec3 p13 = (2.0 * pull.on[4]) * (x3 - x1);
-        const Vec3 p23 = (2.0 * pull.on[5]) * (x3 - x2);
-        store(out->corner[0], lane, load(out->corner[0], lane) - p01 - p02 - p03);
-        store(out->corner[1], lane, load(out->corner[1], lane) + p01 - p12 - p13);
-        store(out->corner[2], lane, load(out->corner[2], lane) + p02 + p12 - p23);
-        store(out->corner[3], lane, load(out->corner[3], lane) + p03 + p13 + p23);
-    }
+    if (cosines)
+        differentiate_angles(in, s, slope, out);
 }
 
 WCT_MULTIVERSION

@@ -3,6 +3,7 @@
 #include "domain/sizing.h"
 #include "sampling/cloud.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,5 +38,10 @@ class PartialRenewal {
     Cloud mesh_;
     std::vector<Zone> zones_;
 };
+
+/// Whether points are wanted in a ball: everywhere, or where a renewal makes them anew.
+inline bool wanted(const std::optional<PartialRenewal> &renewal, const Vec3 &center, double radius = 0.0) {
+    return !renewal || renewal->reaches(center, radius);
+}
 
 } // namespace wct::sampling
