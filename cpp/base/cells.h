@@ -15,6 +15,8 @@ enum class Stratum : std::int8_t { interior = 0, patch = 1, crease = 2, corner =
 
 /// Facet i lies opposite corner i; (kFacets[i], i) is an even permutation, so that it winds towards corner i.
 inline constexpr int kFacets[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+/// The same facets seen from outside: they wind away from their corner.
+inline constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 inline constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 /// Sort three numbers; true if the order's sense was kept.

@@ -66,13 +66,6 @@ double Round::share(int t, int i, int v) const {
     return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * height(t, i);
 }
 
-Vec3 Round::centroid(const std::array<int, 4> &tet) const {
-    Vec3 sum;
-    for (const int v : tet)
-        sum += 0.25 * cloud_.points[v];
-    return sum;
-}
-
 bool Round::outer(int t, int i) const {
     return complex_.beyond(t, i) != complex_.region[t] && (options_.one_sided || several_);
 }
@@ -84,7 +77,7 @@ void Round::take_in_flat() {
             continue;
         const std::vector<int> shared = sampling::shared_patches(cloud_, reference_, tet);
         if (shared.empty()) {
-            complex_.region[t] = map_.region(centroid(tet), -1);
+            complex_.region[t] = map_.region(cloud_.centroid(tet), -1);
         } else if (const auto &[behind, before] = reference_.data().sides[shared[0]]; before >= 0) {
             complex_.region[t] = behind;
         }
@@ -356,7 +349,7 @@ void Round::put_inside(int t) {
     const double size = size_of(complex_.facet(t, 0));
     Vec3 p = spheres_[t].center;
     if (map_.region(p, -1) != complex_.region[t])
-        p = centroid(complex_.all.tets[t]);
+        p = cloud_.centroid(complex_.all.tets[t]);
     points_.insert_inside(p + 0.1 * size * random_.uniform() * unit(random_.normal3()), complex_.region[t], size,
                           0.4 * std::min(size, spheres_[t].radius));
 }

@@ -34,7 +34,6 @@ class Round {
     }
     /// What a tet's facet i adds to the dual area of its edge opposite corner v, in lengths of the edge.
     double share(int t, int i, int v) const;
-    Vec3 centroid(const std::array<int, 4> &tet) const;
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
     bool beyond(int t, int i) const { return height(t, i) <= least() * spheres_[t].radius; }
     /// The shortest length that a dual may have: where the mesh is to be one-sided it is not zero.

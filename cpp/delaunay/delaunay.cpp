@@ -4,6 +4,7 @@
 
 #include "delaunay/delaunay.h"
 
+#include "base/random.h"
 #include "geometry/predicates.h"
 
 #include <algorithm>
@@ -99,14 +100,6 @@ void sort_along_curve(std::span<const Vec3> points, std::span<int> ids) {
     }
 }
 
-/// A well-mixed function of an index (the finalizer of SplitMix64): as good as chance, and the same every time.
-std::uint64_t scramble(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
-    x = (x ^ x >> 27) * 0x94d049bb133111eb;
-    return x ^ x >> 31;
-}
-
 /// A biased randomized insertion order (Amenta, Choi, Rote 2003): rounds of points chosen at random, each some seven
 /// times as many as all before it, so that the expected work is that of a random order; within a round the points
 /// follow a curve, so that each is near the one before.
@@ -116,7 +109,7 @@ std::vector<int> insertion_order(std::span<const Vec3> points) {
     std::array<int, rounds + 1> start{};
     std::vector<std::uint8_t> round(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const int level = std::countr_zero(scramble(i)) / log_ratio;
+        const int level = std::countr_zero(mix(i + Random::kStep)) / log_ratio;
         round[i] = static_cast<std::uint8_t>(std::max(rounds - 1 - level, 0));
         ++start[round[i] + 1];
     }

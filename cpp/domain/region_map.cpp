@@ -1,5 +1,7 @@
 #include "domain/region_map.h"
 
+#include "base/cells.h"
+
 #include <algorithm>
 #include <functional>
 #include <iterator>
@@ -9,8 +11,6 @@
 namespace wct::domain {
 
 namespace {
-
-constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 double det(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
     return dot(cross(b - a, c - a), d - a);

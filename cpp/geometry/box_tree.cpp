@@ -64,60 +64,6 @@ std::vector<double> BoxTree::smallest(std::span<const double> values) const {
     return out;
 }
 
-SegmentPoint nearest_on_segment(const Vec3 &p, const Vec3 &a, const Vec3 &b) {
-    const Vec3 d = b - a;
-    const double length = dot(d, d);
-    const double t = length > 0.0 ? std::clamp(dot(p - a, d) / length, 0.0, 1.0) : 0.0;
-    const Vec3 q = a + t * d;
-    return {q, t, dot(p - q, p - q)};
-}
-
-TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
-    const auto at = [&](double u, double v, double w) {
-        TrianglePoint out{u * a + v * b + w * c, {u, v, w}, 0.0};
-        const Vec3 d = p - out.point;
-        out.square = dot(d, d);
-        return out;
-    };
-    // The seven Voronoi regions of a triangle, vertices first (Ericson, "Real-Time Collision Detection", 5.1.5).
-    const Vec3 ab = b - a;
-    const Vec3 ac = c - a;
-    const Vec3 ap = p - a;
-    const double d1 = dot(ab, ap);
-    const double d2 = dot(ac, ap);
-    if (d1 <= 0.0 && d2 <= 0.0)
-        return at(1.0, 0.0, 0.0);
-    const Vec3 bp = p - b;
-    const double d3 = dot(ab, bp);
-    const double d4 = dot(ac, bp);
-    if (d3 >= 0.0 && d4 <= d3)
-        return at(0.0, 1.0, 0.0);
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-        const double v = d1 / (d1 - d3);
-        return at(1.0 - v, v, 0.0);
-    }
-    const Vec3 cp = p - c;
-    const double d5 = dot(ab, cp);
-    const double d6 = dot(ac, cp);
-    if (d6 >= 0.0 && d5 <= d6)
-        return at(0.0, 0.0, 1.0);
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-        const double w = d2 / (d2 - d6);
-        return at(1.0 - w, 0.0, w);
-    }
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-        const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return at(0.0, 1.0 - w, w);
-    }
-    const double scale = 1.0 / (va + vb + vc);
-    const double v = vb * scale;
-    const double w = vc * scale;
-    return at(1.0 - v - w, v, w);
-}
-
 double with_room(double square, double scale) {
     const double far = std::sqrt(square);
     const double above = far + 1e-14 * (far + scale);

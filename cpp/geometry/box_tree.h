@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/vec3.h"
+#include "geometry/closest_point.h"
 
 #include <algorithm>
 #include <array>
@@ -122,21 +123,6 @@ class BoxTree {
     std::vector<Node> nodes_;
     std::vector<std::int32_t> items_;
 };
-
-/// The point of a triangle nearest to p, with its barycentric coordinates.
-struct TrianglePoint {
-    Vec3 point;
-    double weight[3];
-    double square; // squared distance to p
-};
-/// The same of a segment from a to b.
-struct SegmentPoint {
-    Vec3 point;
-    double along; // 0 at a, 1 at b
-    double square;
-};
-SegmentPoint nearest_on_segment(const Vec3 &p, const Vec3 &a, const Vec3 &b);
-TrianglePoint nearest_on_triangle(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
 /// A squared distance a hair above this one, which rounding cannot carry a nearer point across. `scale`: the largest
 /// coordinate.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/vec3.h"
+#include "geometry/closest_point.h"
 
 #include <algorithm>
 #include <array>
@@ -13,34 +14,6 @@
 #include <vector>
 
 namespace wct::geometry {
-
-/// Closest point on a segment (two corners) or triangle (three).
-Vec3 closest_on(const std::array<Vec3, 2> &segment, const Vec3 &x);
-Vec3 closest_on(const std::array<Vec3, 3> &triangle, const Vec3 &x);
-
-/// What tells where a point lies over a triangle: the weights of the second and third corner at its projection are dot
-/// products. Not numbers where the triangle is flat.
-struct TriangleFrame {
-    Vec3 second, third, normal;
-
-    explicit TriangleFrame(const std::array<Vec3, 3> &c) {
-        const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], n = cross(ab, ac);
-        const double scale = 1.0 / dot(n, n);
-        second = scale * cross(ac, n);
-        third = scale * cross(n, ab);
-        normal = std::sqrt(scale) * n;
-    }
-};
-/// The same with the triangle's frame at hand. Mostly a point lies over the inside of the triangle that it is near;
-/// this is cheap to see.
-inline Vec3 closest_on(const std::array<Vec3, 3> &triangle, const TriangleFrame &frame, const Vec3 &x) {
-    constexpr double on_side = -1e-9; // of the height over a side: a point over the side is over the triangle
-    const Vec3 d = x - triangle[0];
-    const double u = dot(d, frame.second), v = dot(d, frame.third);
-    if (u >= on_side && v >= on_side && u + v <= 1.0 - on_side)
-        return x - dot(d, frame.normal) * frame.normal;
-    return closest_on(triangle, x);
-}
 
 /// A tree of bounding boxes over segments (corners = 2) or triangles (corners = 3), for closest points.
 template <std::size_t corners> class BoundingTree {

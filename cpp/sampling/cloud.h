@@ -34,6 +34,12 @@ struct Cloud {
         near.push_back(-1);
         held.push_back(Hold::none);
     }
+    Vec3 centroid(const Tet &tet) const {
+        Vec3 sum;
+        for (const int v : tet)
+            sum += 0.25 * points[v];
+        return sum;
+    }
     void keep(const std::vector<char> &which);
     void append(const Cloud &other);
 };

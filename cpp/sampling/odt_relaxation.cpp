@@ -1,5 +1,7 @@
 #include "sampling/odt_relaxation.h"
 
+#include "geometry/circumspheres.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -45,7 +47,7 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
         // A circumcenter far outside its tet says little: it is drawn in to half an edge from the centroid.
         Vec3 center = middle;
         if (det > 1e-9 * edge * edge * edge) {
-            center = p + (0.5 / det) * (dot(u, u) * cross(v, w) + dot(v, v) * cross(w, u) + dot(w, w) * cross(u, v));
+            center = p + geometry::to_circumcenter(u, v, w, det);
             const Vec3 d = center - middle;
             const double far = norm(d);
             if (far > 0.5 * edge)

@@ -14,7 +14,6 @@ namespace wct::sampling {
 
 namespace {
 
-constexpr int kOutward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 constexpr double kFlat = 1e-5;  // altitude per mean edge of a tet that is nothing but rounding
 constexpr double kSliver = 0.3; // the same for a tet that rests on a curved patch
 
@@ -190,10 +189,7 @@ RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap
             complex.region[t] = -1;
             return;
         }
-        Vec3 center;
-        for (const int v : tets[t])
-            center += 0.25 * cloud.points[v];
-        complex.region[t] = map.region(center, near);
+        complex.region[t] = map.region(cloud.centroid(tets[t]), near);
     });
     if (held)
         held->label(cloud, complex);

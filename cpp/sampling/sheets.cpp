@@ -43,10 +43,7 @@ int sheet_of(const Cloud &cloud, const domain::Reference &reference, const std::
 /// Height of a tet's centroid over the plane of a triangle of the reference.
 double height(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet,
               const domain::Foot &foot) {
-    Vec3 center;
-    for (const int v : tet)
-        center += 0.25 * cloud.points[v];
-    return dot(center - foot.point, reference.normal(foot.triangle));
+    return dot(cloud.centroid(tet) - foot.point, reference.normal(foot.triangle));
 }
 
 } // namespace

@@ -67,12 +67,7 @@ std::vector<int> CreaseRelease::near(const std::vector<int> &bad, const std::vec
             continue;
         const Vec3 middle = 0.5 * (complex_.point(edge[0]) + complex_.point(edge[1]));
         const double reach = kReach * 0.5 * (complex_.vertex(edge[0]).size + complex_.vertex(edge[1]).size);
-        if (std::any_of(bad.begin(), bad.end(), [&](int t) {
-                const Tet &tet = complex_.tet(t);
-                const Vec3 center = 0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) +
-                                            complex_.point(tet[3]));
-                return norm(center - middle) < reach;
-            }))
+        if (std::any_of(bad.begin(), bad.end(), [&](int t) { return norm(complex_.centroid(t) - middle) < reach; }))
             out.push_back(curve);
     }
     std::sort(out.begin(), out.end());

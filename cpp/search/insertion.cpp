@@ -2,6 +2,8 @@
 
 #include "search/operators.h"
 
+#include "geometry/circumspheres.h"
+
 #include <algorithm>
 
 namespace wct::search {
@@ -11,10 +13,9 @@ namespace {
 /// Whether x lies in the smallest sphere through a facet's corners.
 bool in_facet_sphere(const std::array<Vec3, 3> &f, const Vec3 &x) {
     const Vec3 u = f[1] - f[0], v = f[2] - f[0], n = cross(u, v);
-    const double nn = dot(n, n);
-    if (!(nn > 0.0))
+    if (!(dot(n, n) > 0.0))
         return true;
-    const Vec3 r = (0.5 / nn) * (dot(u, u) * cross(v, n) + dot(v, v) * cross(n, u));
+    const Vec3 r = geometry::to_circumcenter(u, v, n);
     const Vec3 d = x - f[0] - r;
     return dot(d, d) < dot(r, r);
 }
@@ -25,11 +26,10 @@ bool Operators::in_circumsphere(int t, const Vec3 &x) const {
     const Tet &tet = complex_.tet(t);
     const Vec3 &o = complex_.point(tet[0]);
     const Vec3 u = complex_.point(tet[1]) - o, v = complex_.point(tet[2]) - o, w = complex_.point(tet[3]) - o;
-    const Vec3 a = cross(v, w), b = cross(w, u), c = cross(u, v);
-    const double det = dot(u, a);
+    const double det = dot(u, cross(v, w));
     if (det <= 0.0)
         return false;
-    const Vec3 r = (0.5 / det) * (dot(u, u) * a + dot(v, v) * b + dot(w, w) * c);
+    const Vec3 r = geometry::to_circumcenter(u, v, w, det);
     const Vec3 d = x - o - r;
     return dot(d, d) < dot(r, r);
 }

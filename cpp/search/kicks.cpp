@@ -134,8 +134,7 @@ std::optional<Facet> Kicks::worst_facet(int v) {
 
 void Kicks::shake(int t, const Kick &kick, double refine) {
     const Tet tet = complex_.tet(t);
-    const Vec3 center =
-        0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
+    const Vec3 center = complex_.centroid(t);
     std::vector<int> vertices;
     ball(center, kick.radius * complex_.vertex(tet[0]).size, tet[0], vertices);
     operators_.touched = vertices;
@@ -213,8 +212,7 @@ bool Kicks::once() {
     const int failures = queue_.failures(t);
     const Kick &kick = kicks[random_.below(std::size(kicks))];
     const Tet tet = complex_.tet(t);
-    const Vec3 center =
-        0.25 * (complex_.point(tet[0]) + complex_.point(tet[1]) + complex_.point(tet[2]) + complex_.point(tet[3]));
+    const Vec3 center = complex_.centroid(t);
     const double radius = 3.5 * complex_.vertex(tet[0]).size;
     // Where nothing has helped, the mesh may be too coarse: allow finer edges, and no coarser ones.
     constexpr double finer = 0.65;

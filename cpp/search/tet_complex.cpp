@@ -1,5 +1,7 @@
 #include "search/tet_complex.h"
 
+#include "base/random.h"
+
 #include <algorithm>
 #include <iterator>
 
@@ -19,21 +21,13 @@ Facet sorted(int a, int b, int c) {
     return {a, b, c};
 }
 
-namespace {
-std::uint64_t mixed(std::uint64_t x) { // splitmix64's finisher
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return x ^ (x >> 31);
-}
-} // namespace
-
 std::size_t KeyHash::operator()(const Edge &key) const {
-    return mixed((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1]));
+    return mix((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1]));
 }
 
 std::size_t KeyHash::operator()(const Facet &key) const {
-    return mixed(mixed((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1])) +
-                 static_cast<std::uint32_t>(key[2]));
+    return mix(mix((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1])) +
+               static_cast<std::uint32_t>(key[2]));
 }
 
 bool TetComplex::has(int t, int v) const {

@@ -63,6 +63,10 @@ class TetComplex {
 
     bool alive(int t) const { return alive_[t] != 0; }
     const Tet &tet(int t) const { return tets_[t]; }
+    Vec3 centroid(int t) const {
+        const Tet &tet = tets_[t];
+        return 0.25 * (point(tet[0]) + point(tet[1]) + point(tet[2]) + point(tet[3]));
+    }
     int region(int t) const { return regions_[t]; }
     double energy(int t) const { return energies_[t]; }
     /// Largest energy first, ties by number.

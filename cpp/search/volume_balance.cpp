@@ -154,10 +154,7 @@ void SurfaceBalance::keep_volumes() {
             for (const int t : complex_.star(key[0])) {
                 if (!complex_.has(t, key[1]) || !complex_.has(t, key[2]))
                     continue;
-                Vec3 center;
-                for (const int v : complex_.tet(t))
-                    center += 0.25 * complex_.point(v);
-                const double side = dot(center - middle, normal) < 0.0 ? 1.0 : -1.0;
+                const double side = dot(complex_.centroid(t) - middle, normal) < 0.0 ? 1.0 : -1.0;
                 growth[complex_.region(t)][patch] += side * 0.5 * norm(normal_of(corners));
             }
         }
