@@ -16,6 +16,8 @@ constexpr double kApart = 0.1;     // of new points that bring a surface back, i
 constexpr double kThinnest = 1e-3; // layer, in radii of a facet's circle
 constexpr double kRoom = 0.5;      // between a new point inside and the surface, in radii of the tet it comes into
 constexpr double kShift = 0.1;     // of a point that leaves a sliver's sphere, in sizes
+constexpr double kGap = 0.4;       // of other new points from one at the center of a circle or sphere, in its radii
+constexpr double kJitter = 0.1;    // longest way of a point from a center that others may share, in sizes
 constexpr double kOff = 0.4; // width, in radii, of where a point may come for a circle's center: squares make squares
 
 } // namespace
@@ -304,7 +306,7 @@ void Round::split_facet(const std::array<int, 3> &f, double off) {
     ball.center += ball.radius * off * ((random_.uniform() - 0.5) * u + (random_.uniform() - 0.5) * v);
     const int patch = shared.size() == 1 ? shared[0] : nearest_of(shared, (1.0 / 3.0) * (at[0] + at[1] + at[2]));
     const Vec3 on = reference_.nearest(ball.center, patch).point;
-    points_.insert_on_patch(on, patch, size_of(f), 0.4 * ball.radius);
+    points_.insert_on_patch(on, patch, size_of(f), kGap * ball.radius);
     if (!options_.one_sided)
         mirror(on, unit(normal_of(at)), ball.radius, size_of(f));
 }
@@ -314,7 +316,7 @@ void Round::mirror(const Vec3 &on, const Vec3 &normal, double radius, double siz
         int triangle = -1;
         const double far = reference_.ray(on, side * normal, kThinnest * radius, triangle);
         if (triangle >= 0 && far < radius)
-            points_.insert_on_patch(on + far * side * normal, reference_.data().patch[triangle], size, 0.4 * radius);
+            points_.insert_on_patch(on + far * side * normal, reference_.data().patch[triangle], size, kGap * radius);
     }
 }
 
@@ -350,8 +352,8 @@ void Round::put_inside(int t) {
     Vec3 p = spheres_[t].center;
     if (map_.region(p, -1) != complex_.region[t])
         p = cloud_.centroid(complex_.all.tets[t]);
-    points_.insert_inside(p + 0.1 * size * random_.uniform() * unit(random_.normal3()), complex_.region[t], size,
-                          0.4 * std::min(size, spheres_[t].radius));
+    points_.insert_inside(p + kJitter * size * random_.uniform() * unit(random_.normal3()), complex_.region[t], size,
+                          kGap * std::min(size, spheres_[t].radius));
 }
 
 void Round::mend_slivers() {
@@ -404,7 +406,7 @@ void Round::mend_tie(int t, int i, int other, std::vector<char> &moved) {
             split_facet({four[0], four[1], four[2]}, kOff);
         } else {
             const Vec3 p = ball.center + 0.5 * kOff * ball.radius * unit(random_.normal3());
-            points_.insert_inside(p, complex_.region[t], size_of(f), 0.4 * ball.radius);
+            points_.insert_inside(p, complex_.region[t], size_of(f), kGap * ball.radius);
         }
         return;
     }

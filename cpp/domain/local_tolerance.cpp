@@ -11,6 +11,8 @@ namespace wct::domain {
 
 namespace {
 
+/// Least distance of what a ray hits from where it starts, in diagonals of the surface: not the triangle it starts on.
+constexpr double kStart = 1e-9;
 constexpr double kShare = 0.1;      // of the wall, the gap or the radius
 constexpr double kGrade = 0.1;      // growth per distance along the surface
 constexpr double kParallel = -0.88; // cosine between the normals of two sides: within 28 degrees
@@ -48,7 +50,7 @@ std::vector<double> local_tolerance(const Reference &reference, double most, dou
                 const Vec3 p = w[0] * data.points[a] + w[1] * data.points[b] + w[2] * data.points[c];
                 const Vec3 along = (side == 0 ? -1.0 : 1.0) * n;
                 int hit = -1;
-                const double across = reference.ray(p, along, 1e-9 * reference.diagonal(), hit);
+                const double across = reference.ray(p, along, kStart * reference.diagonal(), hit);
                 if (hit < 0 || dot(reference.normal(hit), n) > kParallel)
                     continue;
                 // Round a hole or a rod the way across is twice the radius.

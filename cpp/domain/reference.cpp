@@ -62,7 +62,8 @@ struct ShapeSums {
 } // namespace
 
 Vec3 across(const Vec3 &n) {
-    const Vec3 axis = std::fabs(n.x) < 0.6 ? Vec3{1, 0, 0} : std::fabs(n.y) < 0.6 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+    constexpr double small = 0.6; // above 1 / sqrt(3): some component is smaller
+    const Vec3 axis = std::fabs(n.x) < small ? Vec3{1, 0, 0} : std::fabs(n.y) < small ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
     return unit(cross(n, axis));
 }
 

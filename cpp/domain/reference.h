@@ -65,6 +65,8 @@ class Reference {
 
     const SurfaceData &data() const { return data_; }
     double diagonal() const { return diagonal_; }
+    /// Least distance of what a ray hits from the triangle it starts on.
+    double ray_start() const { return 1e-6 * diagonal_; }
     int patches() const { return static_cast<int>(planar_.size()); }
     bool planar(int patch) const { return planar_[patch]; }
     /// Whether the patch lies inside a region.

@@ -82,8 +82,8 @@ Place RegionMap::find(const Vec3 &p) const {
                     const Vec3 &pb = mesh_.points[b];
                     const Vec3 &pc = mesh_.points[c];
                     const Vec3 &pd = mesh_.points[d];
-                    // A hair of slack, so that no point falls between two tets.
-                    const double least = -1e-12 * volume_[t];
+                    constexpr double slack = 1e-12; // of the volume, so that no point falls between two tets
+                    const double least = -slack * volume_[t];
                     double w[4];
                     if ((w[0] = det(p, pb, pc, pd)) < least || (w[1] = det(pa, p, pc, pd)) < least ||
                         (w[2] = det(pa, pb, p, pd)) < least || (w[3] = det(pa, pb, pc, p)) < least)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace wct::domain {
 
@@ -36,7 +37,7 @@ SharpEdges::SharpEdges(const Reference &reference, bool outside)
             if (u != v && u != w)
                 apex = u;
         const bool ridge = dot(data.points[apex] - data.points[v], n) < 0.0;
-        const double inside = 3.141592653589793 - angle(n, m); // on the side where it is less than half a turn
+        const double inside = std::numbers::pi - angle(n, m); // on the side where it is less than half a turn
         if (inside >= kSharp || inside <= 0.0 || (data.sides[data.patch[own[0]]][ridge ? 0 : 1] < 0) != outside)
             continue;
         edges_.push_back({{v, w}, {own[0], own[1]}, 2.0 * std::sin(0.5 * inside)});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -241,7 +242,7 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
     const Vec3 inward = (side == 0 ? -1.0 : 1.0) * reference_.normal(triangle);
     int hit = -1;
     const double far = reference_.ray((1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]), inward,
-                                      1e-6 * reference_.diagonal(), hit);
+                                      reference_.ray_start(), hit);
     if (hit < 0 || !reference_.planar(data.patch[hit]) || wanted < kCoarse * far ||
         patch_area_[own] < kBroad * far * far)
         return kInfinity;
@@ -255,7 +256,10 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
 Sizing::Thickness Sizing::thickness_at(int triangle, double wanted) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
+    constexpr int kRank = 3;                     // of the hits by distance, that counts: a few may stray
+    constexpr double kFacing = -0.5;             // cosine between normals of triangles that face each other
     constexpr double kCone = 0.5235987755982988; // 30 degrees
+    constexpr double kTurned = 0.1;              // of the cone about the normal: rays along edges tell little
     constexpr double kParallel = -0.8;           // cosine between normals of a wall's sides
     const auto &data = reference_.data();
     const Vec3 &n = reference_.normal(triangle);
@@ -270,25 +274,25 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted) const {
         std::array<double, kRays> hits, walls;
         for (int j = 0; j < kRays; ++j) {
             const double tilt = j == 0 ? 0.0 : kCone;
-            const double turn = 6.283185307179586 * j / (kRays - 1) + 0.1;
+            const double turn = 2.0 * std::numbers::pi * j / (kRays - 1) + kTurned;
             const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
             const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
             int hit = -1;
-            const double far = reference_.ray(center, d, 1e-6 * reference_.diagonal(), hit);
+            const double far = reference_.ray(center, d, reference_.ray_start(), hit);
             const bool opposite =
-                hit >= 0 && dot(reference_.normal(hit), n) < -0.5 && !(outside && notched(center, far));
+                hit >= 0 && dot(reference_.normal(hit), n) < kFacing && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
             walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
         }
-        std::nth_element(hits.begin(), hits.begin() + 3, hits.end());
-        std::nth_element(walls.begin(), walls.begin() + 3, walls.end());
+        std::nth_element(hits.begin(), hits.begin() + kRank, hits.end());
+        std::nth_element(walls.begin(), walls.begin() + kRank, walls.end());
         const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
-        const double narrow = form_.gap * std::max(hits[3], form_.narrowest * tolerance);
+        const double narrow = form_.gap * std::max(hits[kRank], form_.narrowest * tolerance);
         const double row = row_at(triangle, side, wanted);
         layer = std::min(layer, row);
-        thin = std::min(thin, outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[3]);
+        thin = std::min(thin, outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[kRank]);
         if (!outside)
-            inside = std::min(inside, walls[3]);
+            inside = std::min(inside, walls[kRank]);
     }
     return {std::min(thin, reference_.diagonal()), inside, layer};
 }

@@ -11,6 +11,7 @@ namespace {
 
 /// Crease points are not put closer than half of this, in sizes.
 constexpr double kClosest = 0.5;
+constexpr double kCrowded = 0.4 * kClosest; // of new points from others, likewise
 /// How near a crease a patch point that takes its edge away stands, in sizes: farther ones leave room for a new point.
 constexpr double kOn = 0.2;
 
@@ -96,7 +97,7 @@ int recover_creases(Cloud &cloud, const domain::Reference &reference, const Rest
     if (gaps.empty())
         return 0;
     const auto near = neighbours_of(cloud, edges, gaps);
-    PointGrid grid = surface_grid(cloud, 0.4 * kClosest);
+    PointGrid grid = surface_grid(cloud, kCrowded);
     int got = 0;
     for (const CreaseGap &gap : gaps) {
         if (held && held->holds_curve(gap.curve))
@@ -116,9 +117,9 @@ int recover_creases(Cloud &cloud, const domain::Reference &reference, const Rest
         const double along = gap.at - step;
         const Vec3 middle = (1.0 - along) * reference.data().points[curve.at(step)] +
                             along * reference.data().points[curve.at(step + 1)];
-        if (grid.crowded(middle, 0.4 * kClosest * size))
+        if (grid.crowded(middle, kCrowded * size))
             continue;
-        grid.add(middle, 0.4 * kClosest * size);
+        grid.add(middle, kCrowded * size);
         cloud.add(middle, Stratum::crease, gap.curve, size);
         ++got;
     }

@@ -24,7 +24,7 @@ class LatticeLevels {
         if (steps == 0) // one level in all, but for outliers: that of most of the volume
             finest = coarsest;
         // The outliers get levels of their own: cells coarser than their size leave them with too few points.
-        const int finer = static_cast<int>(std::ceil(std::log(finest / least) / std::log(ratio_) - 0.05));
+        const int finer = static_cast<int>(std::ceil(std::log(finest / least) / std::log(ratio_) - kSlack));
         count_ = 1 + steps + finer;
         finest_ = finest * std::pow(ratio_, -finer);
     }
@@ -33,10 +33,12 @@ class LatticeLevels {
     double cell(int level) const { return finest_ * std::pow(ratio_, level); }
     int of(double size) const {
         const double steps = std::log(size / edge_per_cell_ / finest_) / std::log(ratio_);
-        return std::clamp(static_cast<int>(std::floor(steps + 0.05)), 0, count_ - 1);
+        return std::clamp(static_cast<int>(std::floor(steps + kSlack)), 0, count_ - 1);
     }
 
   private:
+    static constexpr double kSlack = 0.05; // levels by which a size may miss one and still be of it
+
     double edge_per_cell_;
     double ratio_;
     double finest_;

@@ -31,6 +31,8 @@ struct Mean {
 double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
              const Workers &workers) {
     const auto &points = cloud.points;
+    constexpr double flat = 1e-9;    // six times the volume, per cube of the mean edge
+    constexpr double farthest = 0.5; // of a circumcenter from the centroid, in mean edges
     std::vector<Mean> inner(points.size());
     std::vector<Mean> outer(points.size());
     for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
@@ -44,14 +46,14 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
         const double det = dot(cross(u, v), w);
         const Vec3 middle = p + 0.25 * (u + v + w);
         const double edge = (norm(u) + norm(v) + norm(w) + norm(v - u) + norm(w - v) + norm(u - w)) / 6.0;
-        // A circumcenter far outside its tet says little: it is drawn in to half an edge from the centroid.
+        // A circumcenter far outside its tet says little: it is drawn in to the centroid.
         Vec3 center = middle;
-        if (det > 1e-9 * edge * edge * edge) {
+        if (det > flat * edge * edge * edge) {
             center = p + geometry::to_circumcenter(u, v, w, det);
             const Vec3 d = center - middle;
             const double far = norm(d);
-            if (far > 0.5 * edge)
-                center = middle + (0.5 * edge / far) * d;
+            if (far > farthest * edge)
+                center = middle + (farthest * edge / far) * d;
         }
         double size = 0.0;
         for (const int k : tet)
@@ -86,6 +88,8 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
 
 int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double longest,
          double shortest) {
+    constexpr double dividing = 0.7; // what of the shortest length an edge may have that divides an angle at a corner
+    constexpr double apart = 0.5;    // of new points from others, in sizes
     std::vector<std::pair<double, std::array<int, 2>>> far;
     std::vector<std::pair<double, std::array<int, 2>>> near;
     const auto edges = surface_edges(complex);
@@ -98,11 +102,11 @@ int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelau
         const double length = norm(cloud.points[v] - cloud.points[w]) / (0.5 * (cloud.size[v] + cloud.size[w]));
         if (length > longest)
             far.emplace_back(-length, edge);
-        else if (length < (divides[v] && divides[w] ? 0.7 : 1.0) * shortest &&
+        else if (length < (divides[v] && divides[w] ? dividing : 1.0) * shortest &&
                  (cloud.role[v] == Stratum::patch || cloud.role[w] == Stratum::patch))
             near.emplace_back(length, edge);
     }
-    PointGrid grid = surface_grid(cloud, 0.5);
+    PointGrid grid = surface_grid(cloud, apart);
     int changes = 0;
     std::vector<char> keep(cloud.count(), 1);
     std::vector<char> touched(cloud.count(), 0);

@@ -31,7 +31,8 @@ double flatness(const std::vector<Vec3> &points, const std::array<int, 4> &tet) 
     const Vec3 &a = points[tet[0]];
     const double det = dot(cross(points[tet[1]] - a, points[tet[2]] - a), points[tet[3]] - a);
     // Four points on a line have no altitude worth the name: both det and area are rounding.
-    return area > 1e-9 * mean * mean ? det / (area * mean) : 0.0;
+    constexpr double line = 1e-9; // twice the largest facet's area, per square of the mean edge
+    return area > line * mean * mean ? det / (area * mean) : 0.0;
 }
 
 bool share_curved_patch(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {

@@ -13,6 +13,7 @@ namespace wct::sampling {
 
 namespace {
 
+constexpr double kOff = 0.2;      // of a point from its patch, in distances from the corner: the patch ends before
 constexpr double kWidest = 1.309; // angle of a patch at a corner that one facet may fill: 75 degrees
 constexpr double kSharp = 0.5;    // cosine of the angle between creases below which it is sharp: 60 degrees
 constexpr double kSquare = 0.1;   // cosine of the angle between creases that count as square
@@ -172,7 +173,7 @@ void divide(Cloud &cloud, const domain::Reference &reference, int corner, int pa
     for (int k = 1; k < parts; ++k) {
         const Vec3 p = at + radius * unit(turned(first, n, way * k / parts));
         const domain::Foot foot = reference.nearest(p, patch);
-        if (foot.distance < 0.2 * radius)
+        if (foot.distance < kOff * radius)
             cloud.add(foot.point, Stratum::patch, patch, cloud.size[corner]);
     }
 }

@@ -32,20 +32,26 @@ class LatticeLevel {
     template <class Take> void collect(const geometry::Box &box, const Take &take) const {
         const Vec3 extent = box.hi - box.lo;
         const double longest = std::max({extent.x, extent.y, extent.z});
-        std::int64_t side = 4;
+        std::int64_t side = kBlock;
         while (static_cast<double>(side) * cell_ < longest + cell_)
             side *= 2;
         descend(box.lo, 0, 0, 0, side, take);
     }
 
   private:
+    static constexpr std::int64_t kBlock = 4; // cells along the smallest blocks
+    static constexpr double kCorner = 1.7321; // from a cube's middle to its corner, in halves of its side; rounded up
+    static constexpr double kLeast = 1e-3;    // size in a block, in that at its middle
+    /// The lattice starts so many cells off the box, so that a box's own faces meet no lattice plane.
+    static constexpr double kStart = 0.363;
+
     template <class Take>
     void descend(const Vec3 &origin, std::int64_t i, std::int64_t j, std::int64_t k, std::int64_t side,
                  const Take &take) const {
         const double half = 0.5 * static_cast<double>(side) * cell_;
         const Vec3 center = origin + Vec3{static_cast<double>(i) * cell_ + half, static_cast<double>(j) * cell_ + half,
                                           static_cast<double>(k) * cell_ + half};
-        const double radius = 1.7321 * half;
+        const double radius = kCorner * half;
         if (!wanted(renewal_, center, radius))
             return;
         const domain::Foot foot = reference_.nearest(center);
@@ -54,10 +60,10 @@ class LatticeLevel {
         if (levels_.count() > 1) {
             const double size = sizing_.at(center);
             const double change = sizing_.form().inner_grade * radius;
-            if (levels_.of(std::max(size - change, 1e-3 * size)) > level_ || levels_.of(size + change) < level_)
+            if (levels_.of(std::max(size - change, kLeast * size)) > level_ || levels_.of(size + change) < level_)
                 return;
         }
-        if (side > 4) {
+        if (side > kBlock) {
             const std::int64_t h = side / 2;
             for (int part = 0; part < 8; ++part)
                 descend(origin, i + (part & 1 ? h : 0), j + (part & 2 ? h : 0), k + (part & 4 ? h : 0), h, take);
@@ -68,10 +74,9 @@ class LatticeLevel {
             for (std::int64_t b = j; b < j + side; ++b)
                 for (std::int64_t c = k; c < k + side; ++c)
                     for (const double shift : {0.0, 0.5}) {
-                        // The lattice starts a little off the box, so that a box's own faces meet no lattice plane.
-                        const Vec3 p = origin + cell_ * Vec3{static_cast<double>(a) + shift - 0.363,
-                                                             static_cast<double>(b) + shift - 0.363,
-                                                             static_cast<double>(c) + shift - 0.363};
+                        const Vec3 p = origin + cell_ * Vec3{static_cast<double>(a) + shift - kStart,
+                                                             static_cast<double>(b) + shift - kStart,
+                                                             static_cast<double>(c) + shift - kStart};
                         try_point(p, hint, take);
                     }
     }
@@ -114,7 +119,7 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
     double least = finest;
     if (!sizes.empty()) { // a few outliers must not set the lattice's scale
         std::sort(sizes.begin(), sizes.end());
-        finest = sizes[sizes.size() / 50];
+        finest = sizes[sizes.size() / SeedForm::outliers];
         least = sizes.front();
     }
     const LatticeLevels levels(sizing, finest, least, form.edge_per_cell, form.level_ratio);

@@ -24,6 +24,7 @@ struct SeedForm {
     static constexpr double least_depth = 0.52;   // of lattice points off what is outside, in cells
     static constexpr double level_gap = 0.72;     // between points of different levels, in mean cells
     static constexpr double wire_gap = 0.75;      // from points of wires, in edge lengths
+    static constexpr int outliers = 50;           // one in so many sizes may be below the scale of the lattice
     static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
 };
 

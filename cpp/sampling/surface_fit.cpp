@@ -14,7 +14,8 @@ namespace {
 /// Samples of a facet besides its edges: the corners' own third and the middle.
 constexpr double kInner[4][3] = {{1. / 3, 1. / 3, 1. / 3}, {.5, .25, .25}, {.25, .5, .25}, {.25, .25, .5}};
 
-constexpr int kSteps = 6; // along an edge: where it crosses a bend of the reference, it is off most
+constexpr double kTouch = 1e-9; // distance at which surfaces touch, in diagonals
+constexpr int kSteps = 6;       // along an edge: where it crosses a bend of the reference, it is off most
 
 Vec3 blend(const Cloud &cloud, const Tie &tie) {
     return tie.weight[0] * cloud.points[tie.corner[0]] + tie.weight[1] * cloud.points[tie.corner[1]] +
@@ -41,8 +42,8 @@ void tie_facet(const Cloud &cloud, const domain::Reference &reference, const std
         if (!reference.planar(reference.data().patch[foot.triangle])) {
             // Across an edge of the reference the distance grows along the way to the foot; on it, along the normal.
             const Vec3 away = p - foot.point;
-            made.normal = foot.distance > 1e-9 * reference.diagonal() ? (1.0 / foot.distance) * away
-                                                                      : reference.normal(foot.triangle);
+            made.normal = foot.distance > kTouch * reference.diagonal() ? (1.0 / foot.distance) * away
+                                                                        : reference.normal(foot.triangle);
             made.level = dot(made.normal, foot.point);
             *tie = made;
         }
@@ -161,7 +162,7 @@ std::vector<Tie> tie_surface(const Cloud &cloud, const RestrictedDelaunay &compl
             const auto at = tree.nearest(vertices[v], near);
             near = at.triangle;
             const double distance = std::sqrt(at.square);
-            if (!(distance > 1e-9 * reference.diagonal()))
+            if (!(distance > kTouch * reference.diagonal()))
                 continue;
             const Vec3 normal = (1.0 / distance) * (at.point - vertices[v]);
             const std::array weight{at.weight[0], at.weight[1], at.weight[2]};

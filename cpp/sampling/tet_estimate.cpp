@@ -68,7 +68,7 @@ LatticeLevels levels_of(const std::vector<std::pair<double, double>> &sizes, con
     for (const auto &[size, share] : sizes) {
         finest = size;
         before += share;
-        if (50.0 * before > all)
+        if (SeedForm::outliers * before > all)
             break;
     }
     const double least = sizes.empty() ? finest : sizes.front().first;

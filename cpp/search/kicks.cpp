@@ -185,13 +185,15 @@ void Kicks::near_changed(const Vec3 &center, double radius) {
 bool Kicks::repair(const Vec3 &center, double radius, double worse) {
     double previous = std::numeric_limits<double>::infinity();
     constexpr int rounds = 4;
+    // Energies: from which on a kick will hardly come to good, after one round and two; and what is no gain.
+    constexpr double hopeless = 1.5, far = 0.3, little = 1e-3;
     for (int round = 0; round < rounds; ++round) {
         near_changed(center, radius);
         repair_.pass(Repair::recipes[std::min(round, 2)], changed_);
         const double gain = complex_.gain();
-        if ((round >= 1 && gain > 1.5) || (round >= 2 && gain > 0.3))
+        if ((round >= 1 && gain > hopeless) || (round >= 2 && gain > far))
             return false;
-        if (round > 1 && gain > previous - 1e-3)
+        if (round > 1 && gain > previous - little)
             break;
         previous = gain;
     }
@@ -213,7 +215,8 @@ bool Kicks::once() {
     const Kick &kick = kicks[random_.below(std::size(kicks))];
     const Tet tet = complex_.tet(t);
     const Vec3 center = complex_.centroid(t);
-    const double radius = 3.5 * complex_.vertex(tet[0]).size;
+    constexpr double reach = 3.5; // of what is repaired round a kick, in sizes
+    const double radius = reach * complex_.vertex(tet[0]).size;
     // Where nothing has helped, the mesh may be too coarse: allow finer edges, and no coarser ones.
     constexpr double finer = 0.65;
     const bool stuck = failures >= few;

@@ -9,7 +9,8 @@
 namespace wct::search {
 
 namespace {
-/// The two forms the search alternates between: a broad one that pulls, and one close to counting.
+/// The two forms the search alternates between: a broad one that pulls, and one close to counting. Margins and powers
+/// are those of EnergyForm; the count is what a tet costs that misses the goal, beside at most 1 for a quarter turn.
 SearchForm broad_form(bool acute) {
     SearchForm form;
     form.shape = {.margin3 = 0.06,
@@ -35,7 +36,8 @@ SearchForm sharp_form(bool acute, double margin3 = 0.03, double margin2 = 0.02) 
 }
 /// Counts the tets that meet the goal without the margin asked for; those that miss the goal weigh more.
 SearchForm margin_form(bool acute, double margin) {
-    SearchForm form = sharp_form(acute, 1.5 * margin, 1.25 * margin);
+    constexpr double wider3 = 1.5, wider2 = 1.25; // where penalties begin, in margins: they are flat at their ends
+    SearchForm form = sharp_form(acute, wider3 * margin, wider2 * margin);
     form.clearance = margin;
     form.hard_count = 1.0;
     return form;
@@ -80,8 +82,9 @@ void Search::sweep(int recipe) {
 }
 
 void Search::widen_margins(const SearchProgress &progress) {
-    const auto bearable = [this](int bad) { return patience(bad) / 8; }; // less than for tets that miss the goal itself
-    const int before = count_bad();                                      // on facets that rule the goal out
+    constexpr long part = 8; // of the kicks borne for tets that miss the goal itself
+    const auto bearable = [this](int bad) { return patience(bad) / part; };
+    const int before = count_bad(); // on facets that rule the goal out
     const TetComplex saved = complex_;
     adopt(margin_form(options_.acute, options_.margin));
     sweep(1);
@@ -98,6 +101,7 @@ void Search::widen_margins(const SearchProgress &progress) {
 bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
                              const std::function<long(int)> &bearable) {
     constexpr long rest = 4096; // kicks between sums from scratch
+    constexpr long hear = 8;    // kicks between reports
     kicks_.restart();
     const int beside = count_bad() - kicks_.bad(); // on facets that rule the goal out
     int least = kicks_.bad();
@@ -116,7 +120,8 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
         if (done % rest == 0)
             complex_.resum();
         outcome_.bad = beside + least;
-        if (done % 8 == 0 && !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
+        if (done % hear == 0 &&
+            !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
             outcome_.stopped = true;
             return give_up();
         }
@@ -152,12 +157,15 @@ bool Search::worthwhile(const Price &price, int bad) const {
 long Search::patience(int bad) const {
     // Few bad tets in many are worth long trying, and there will not be many such phases; where a good part of the mesh
     // is bad, as round a surface that may not change, most of it is hopeless.
-    const double share = (static_cast<double>(complex_.tets()) + 2000.0) / (2000.0 * std::max(bad, 1));
-    return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, 0.005, 1.0)));
+    constexpr double many = 2000.0; // tets to a bad one, for which all the kicks asked for are borne
+    constexpr double least = 0.005; // share of them
+    const double share = (static_cast<double>(complex_.tets()) + many) / (many * std::max(bad, 1));
+    return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, least, 1.0)));
 }
 
 long Search::hurried(int bad) const {
-    return std::max(options_.kicks / 50, options_.kicks / 8 / std::max(bad, 1)); // the last few are worth more each
+    constexpr long most = 8, least = 50; // parts of the kicks asked for: the last few bad tets are worth more each
+    return std::max(options_.kicks / least, options_.kicks / most / std::max(bad, 1));
 }
 
 SearchOutcome Search::run(const SearchProgress &progress) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace wct::search {
 
@@ -30,7 +31,7 @@ std::vector<double> needle_cosines(std::span<const Vec3> points, std::span<const
     std::vector<double> needle(points.size(), Vertex{}.needle);
     for (const auto &[edge, angles] : filled)
         for (const auto &[region, sum] : angles)
-            if (sum < 1.5707963267948966)
+            if (sum < std::numbers::pi / 2.0)
                 for (const int v : edge)
                     needle[v] = std::max(needle[v], std::cos(sum));
     return needle;

@@ -37,14 +37,15 @@ bool Operators::ring(int a, int b, Ring &ring) const {
     ring.tets.clear();
     ring.opposite.clear();
     ring.closed = true;
-    int from[64];
-    int to[64];
-    int tets[64];
+    constexpr int most = 64; // tets at an edge; one with more is left alone
+    int from[most];
+    int to[most];
+    int tets[most];
     int count = 0;
     for (int t : complex_.star(a)) {
         if (!complex_.has(t, b))
             continue;
-        if (count == 64)
+        if (count == most)
             return false;
         const auto [p, q] = opposite(complex_.tet(t), a, b);
         from[count] = p;

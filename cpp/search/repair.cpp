@@ -7,6 +7,15 @@ namespace wct::search {
 
 namespace {
 constexpr double kAny = 1e-5; // an energy drop worth keeping
+// After the first round of descent an operator is hopeless that has raised the energy by more than this, and by more
+// than this share of what it raised it by at once.
+constexpr double kHopeless = 0.05;
+constexpr double kStays = 0.7;
+// Descent ends where a round gains less than this share of all so far, and than this.
+constexpr double kSlow = 1e-4;
+constexpr double kNothing = 1e-10;
+constexpr double kMiddle = 0.3; // what each corner's weight in a random point has beside up to 1 by chance
+constexpr double kNudge = 0.15; // deviation of random steps, in sizes
 } // namespace
 
 const Repair::Recipe Repair::recipes[3] = {
@@ -42,7 +51,7 @@ void Repair::relax_touched(const Recipe &recipe) {
         const double before = complex_.total();
         for (int v : vertices)
             descent_.relax(v, recipe.steps);
-        if (round == 0 && complex_.gain() > std::max(0.05, 0.7 * after_operator))
+        if (round == 0 && complex_.gain() > std::max(kHopeless, kStays * after_operator))
             return; // hopeless: the first round brings most of what there is to gain
         if (round < recipe.flips) {
             operators_.touched = vertices;
@@ -50,7 +59,7 @@ void Repair::relax_touched(const Recipe &recipe) {
             vertices = operators_.touched;
         }
         if (round > 0 &&
-            before - complex_.total() < 1e-4 * std::abs(before - (complex_.total() - complex_.gain())) + 1e-10)
+            before - complex_.total() < kSlow * std::abs(before - (complex_.total() - complex_.gain())) + kNothing)
             break;
     }
 }
@@ -84,7 +93,7 @@ bool Repair::insert_inside(int t, bool anywhere, double slack) {
     if (anywhere) {
         sum = 0.0;
         for (double &x : w)
-            sum += x = 0.3 + random_.uniform();
+            sum += x = kMiddle + random_.uniform();
     }
     Vec3 x;
     for (int i = 0; i < 4; ++i)
@@ -107,7 +116,7 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
     Vec3 x;
     double sum = 0.0;
     for (int v : *chosen) {
-        const double weight = 0.3 + random_.uniform();
+        const double weight = kMiddle + random_.uniform();
         x += weight * complex_.point(v);
         sum += weight;
     }
@@ -115,7 +124,8 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
 }
 
 bool Repair::chain(int t) {
-    constexpr double slack = 5.0;
+    constexpr double slack = 5.0; // by which an operator of a chain may raise the energy
+    constexpr double most = 20.0; // by which all of them together may
     bool any = false;
     const int length = 1 + random_.below(3);
     for (int k = 0; k < length; ++k) {
@@ -136,7 +146,7 @@ bool Repair::chain(int t) {
         }
         any |= random_operator(at, slack);
     }
-    return any && complex_.gain() < 20.0;
+    return any && complex_.gain() < most;
 }
 
 bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
@@ -160,7 +170,7 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
     case nudges: {
         bool any = false;
         for (int v : tet) {
-            if (!descent_.nudge(v, complex_.point(v) + (0.15 * complex_.vertex(v).size) * random_.normal3()))
+            if (!descent_.nudge(v, complex_.point(v) + (kNudge * complex_.vertex(v).size) * random_.normal3()))
                 continue;
             operators_.touch(v);
             any = true;

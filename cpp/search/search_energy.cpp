@@ -195,12 +195,13 @@ double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const
 }
 
 energy::TermLanes SearchEnergy::present_bounds(const energy::TetLanes &tets) {
+    constexpr double kFlatter = 0.999; // than it is, by rounding
     energy::TermLanes terms = energy::flatness_terms(energy::kDegenerate);
     energy::WorstLanes worst;
     energy::measure_worst(tets, false, worst);
     for (int lane = 0; lane < energy::kLanes; ++lane)
         if (worst.flatness[lane] <= energy::kDegenerate)
-            terms.flatness[lane] = 0.999 * worst.flatness[lane];
+            terms.flatness[lane] = kFlatter * worst.flatness[lane];
     return terms;
 }
 

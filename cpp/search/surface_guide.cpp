@@ -20,6 +20,8 @@ constexpr double kTube = 0.5;
 constexpr double kRim = 0.9;
 constexpr geometry::NearAlong kAlong = {0.975, 0.985};
 constexpr double kInside = 0.93;
+/// Cosine of the greatest angle between a facet and the surface at its middle.
+constexpr double kTurned = 0.6;
 /// Landmarks are put on edges that bend by more than this: cosine of 2 degrees.
 constexpr double kBend = 0.99939;
 /// They are no farther apart than this share of the tolerance over the sine of half the bend, but no more than kParts
@@ -295,7 +297,7 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
         return false;
     const Vec3 n = normal_of(corners);
     const Vec3 m = normal_of(tree.pieces()[hints[0]]);
-    if (std::abs(dot(n, m)) < 0.6 * norm(n) * norm(m))
+    if (std::abs(dot(n, m)) < kTurned * norm(n) * norm(m))
         return false;
     // What is not near is mostly not near in the middle of an edge, or else inside; the whole length comes last.
     for (int k = 0; k < 3; ++k)

@@ -159,8 +159,9 @@ void SurfaceBalance::keep_volumes() {
             }
         }
         // Shifts that give each region what it misses (Kaczmarz): equal ones on all its patches, region by region.
+        constexpr int rounds = 8;
         std::vector<double> by(guide_.patches(), 0.0);
-        for (int round = 0; round < 8; ++round)
+        for (int round = 0; round < rounds; ++round)
             for (std::size_t r = 0; r < missing.size(); ++r) {
                 double left = missing[r], area = 0.0;
                 for (std::size_t p = 0; p < by.size(); ++p) {
