@@ -87,7 +87,7 @@ void Round::take_in_flat() {
 }
 
 void Round::peel() {
-    std::vector<std::array<int, 2>> kept; // no crease may be lost
+    std::vector<Edge> kept; // no crease may be lost
     for (const Segment &s : points_.segments())
         kept.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
     std::sort(kept.begin(), kept.end());
@@ -114,7 +114,7 @@ void Round::peel() {
         if (count != 2 || complex_.beyond(t, open[0]) != complex_.beyond(t, open[1]) ||
             sampling::shared_patches(cloud_, reference_, tet).empty())
             continue;
-        std::array<int, 2> lost{}, made{tet[open[0]], tet[open[1]]};
+        Edge lost{}, made{tet[open[0]], tet[open[1]]};
         for (int i = 0, n = 0; i < 4; ++i)
             if (i != open[0] && i != open[1])
                 lost[n++] = tet[i];
@@ -146,7 +146,7 @@ bool Round::clear(const std::vector<int> &candidates, const geometry::Sphere &ba
 }
 
 void Round::mend_creases() {
-    std::vector<std::array<int, 2>> edges;
+    std::vector<Edge> edges;
     for (std::size_t t = 0; t < complex_.all.tets.size(); ++t)
         if (complex_.region[t] >= 0)
             for (const auto &[i, j] : kEdges) {
@@ -249,7 +249,7 @@ void Round::mend_edges() {
     struct Share {
         std::array<int, 3> edge; // and the region
         double area;
-        std::array<int, 3> outer; // the facet, if it is an outer one
+        Facet outer; // the facet, if it is an outer one
     };
     std::vector<char> open(cloud_.count(), 0);
     for (int t = 0; t < static_cast<int>(spheres_.size()); ++t)
@@ -275,7 +275,7 @@ void Round::mend_edges() {
     std::stable_sort(shares.begin(), shares.end(), [](const Share &a, const Share &b) { return a.edge < b.edge; });
     for (std::size_t k = 0, end = 0; k < shares.size(); k = end) {
         double area = 0.0;
-        std::vector<std::array<int, 3>> outer;
+        std::vector<Facet> outer;
         for (end = k; end < shares.size() && shares[end].edge == shares[k].edge; ++end) {
             area += shares[end].area;
             if (shares[end].outer[0] >= 0)
@@ -291,12 +291,12 @@ void Round::mend_edges() {
     }
 }
 
-double Round::cosine(const std::array<int, 3> &f) const {
+double Round::cosine(const Facet &f) const {
     const auto at = corners(f);
     return dot(unit(at[1] - at[0]), unit(at[2] - at[0]));
 }
 
-void Round::split_facet(const std::array<int, 3> &f, double off) {
+void Round::split_facet(const Facet &f, double off) {
     const std::vector<int> shared = sampling::shared_patches(cloud_, reference_, f);
     if (shared.empty())
         return; // it is off the surface in any case
@@ -326,7 +326,7 @@ int Round::nearest_of(const std::vector<int> &patches, const Vec3 &p) const {
     });
 }
 
-double Round::size_of(const std::array<int, 3> &f) const {
+double Round::size_of(const Facet &f) const {
     return (cloud_.size[f[0]] + cloud_.size[f[1]] + cloud_.size[f[2]]) / 3.0;
 }
 
@@ -393,7 +393,7 @@ void Round::mend_tie(int t, int i, int other, std::vector<char> &moved) {
     const int apex = complex_.all.tets[t][i];
     // Four surface points on a circle are on one sphere with every fifth: only a point between them helps.
     for (int k = 0; k < 3; ++k) {
-        const std::array<int, 4> four{apex, f[k], other, f[(k + 1) % 3]};
+        const Tet four{apex, f[k], other, f[(k + 1) % 3]};
         if (std::any_of(four.begin(), four.end(), [&](int v) { return inside(v); }))
             continue;
         const auto at = corners(std::array{four[0], four[1], four[2]});

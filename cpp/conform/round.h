@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/random.h"
 #include "conform/conform.h"
 #include "conform/surface_probes.h"
@@ -65,10 +66,10 @@ class Round {
     void mend_edges();
 
     /// Of the angle at the first corner.
-    double cosine(const std::array<int, 3> &f) const;
+    double cosine(const Facet &f) const;
 
     /// Put a point on the patch of a surface facet, at its circumcenter or by `off` radii beside it.
-    void split_facet(const std::array<int, 3> &f, double off);
+    void split_facet(const Facet &f, double off);
 
     /// Across a layer thinner than the sphere of a facet that was split comes a point over the new one: without it the
     /// one would be in spheres of facets there, and a split there answered by one here. What is between the two layers
@@ -76,7 +77,7 @@ class Round {
     void mirror(const Vec3 &on, const Vec3 &normal, double radius, double size);
 
     int nearest_of(const std::vector<int> &patches, const Vec3 &p) const;
-    double size_of(const std::array<int, 3> &f) const;
+    double size_of(const Facet &f) const;
 
     void mend_ties();
 

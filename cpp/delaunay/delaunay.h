@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/vec3.h"
 
 #include <array>
@@ -10,7 +11,7 @@ namespace wct::delaunay {
 
 /// Tets that fill the convex hull of some points.
 struct Triangulation {
-    std::vector<std::array<int, 4>> tets;       // positive by orient3d
+    std::vector<Tet> tets;                      // positive by orient3d
     std::vector<std::array<int, 4>> neighbours; // [i]: the tet across the facet opposite vertex i, -1 on the hull
 };
 

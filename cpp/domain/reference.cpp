@@ -101,7 +101,7 @@ Reference::Reference(SurfaceData data) : data_(std::move(data)) {
 void Reference::make_wedges() {
     // Triangles round a vertex are of one wedge if they are joined across edges of their patch: a crease that fades out
     // on a patch has the patch on both of its sides, and two wedges per vertex.
-    std::set<std::array<int, 2>> creases;
+    std::set<Edge> creases;
     for (const auto *edges : {&data_.segments, &data_.folds})
         for (const auto &[v, w] : *edges)
             creases.insert({std::min(v, w), std::max(v, w)});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/vec3.h"
 #include "geometry/box_tree.h"
 #include "geometry/plane.h"
@@ -14,12 +15,12 @@ namespace wct::domain {
 /// The surface a mesh should stay near, cut into strata. Indices count points; triangles of a patch agree in side.
 struct SurfaceData {
     std::vector<Vec3> points;
-    std::vector<std::array<int, 3>> triangles;
-    std::vector<int> patch;                   // per triangle, from 0
-    std::vector<std::array<int, 2>> segments; // crease edges
-    std::vector<int> curve;                   // per segment, from 0
+    std::vector<Facet> triangles;
+    std::vector<int> patch;     // per triangle, from 0
+    std::vector<Edge> segments; // crease edges
+    std::vector<int> curve;     // per segment, from 0
     std::vector<int> corners;
-    std::vector<std::array<int, 2>> folds; // edges that bend as creases do and are none
+    std::vector<Edge> folds; // edges that bend as creases do and are none
     std::vector<std::array<int, 2>>
         sides;         // per patch: the region behind its triangles, the region before; -1 is outside
     double flat = 0.0; // as far off a plane or line vertices may be where they count as on it

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/vec3.h"
 #include "domain/reference.h"
 #include "geometry/box_tree.h"
@@ -12,7 +13,7 @@ namespace wct::domain {
 /// The mesh that came in: what its tets fill is inside.
 struct InputMesh {
     std::vector<Vec3> points;
-    std::vector<std::array<int, 4>> tets;
+    std::vector<Tet> tets;
     std::vector<int> region; // per tet, >= 0
 };
 

@@ -16,7 +16,7 @@ constexpr double kSharp = 1.0471975511965976; // 60 degrees
 SharpEdges::SharpEdges(const Reference &reference, bool outside)
     : reference_(reference), curves_(reference.curves().size(), 0) {
     const auto &data = reference.data();
-    std::map<std::array<int, 2>, std::vector<int>> around; // crease edge -> triangles
+    std::map<Edge, std::vector<int>> around; // crease edge -> triangles
     for (const auto &[v, w] : data.segments)
         around[{std::min(v, w), std::max(v, w)}];
     for (std::size_t t = 0; t < data.triangles.size(); ++t)

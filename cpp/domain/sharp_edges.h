@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/cells.h"
 #include "domain/reference.h"
 
 #include <vector>
@@ -28,7 +29,7 @@ class SharpEdges {
     /// The nearest point of one that is nearer than `most`.
     SharpFoot nearest(const Vec3 &p, double most) const;
     /// Vertices of the reference at its ends.
-    const std::array<int, 2> &ends(int edge) const { return edges_[edge].ends; }
+    const Edge &ends(int edge) const { return edges_[edge].ends; }
     /// How thick the region is at the distance 1 from it.
     double narrow(int edge) const { return edges_[edge].narrow; }
     /// The triangles on either side.
@@ -39,7 +40,7 @@ class SharpEdges {
 
   private:
     struct SharpEdge {
-        std::array<int, 2> ends;
+        Edge ends;
         std::array<int, 2> beside;
         double narrow;
     };

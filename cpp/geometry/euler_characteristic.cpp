@@ -9,12 +9,12 @@ namespace {
 
 /// Add `sign` times the number of different cells with `size` corners to the regions they belong to.
 template <std::size_t size>
-void count(std::span<const std::array<int, 4>> tets, std::span<const int> region, int sign, std::vector<int> &sum) {
+void count(std::span<const Tet> tets, std::span<const int> region, int sign, std::vector<int> &sum) {
     std::vector<std::array<int, size + 1>> cells; // region, then corners ascending
     for (std::size_t t = 0; t < tets.size(); ++t) {
         if (region[t] < 0)
             continue;
-        std::array<int, 4> tet = tets[t];
+        Tet tet = tets[t];
         std::sort(tet.begin(), tet.end());
         for (unsigned chosen = 0; chosen < 16; ++chosen) {
             std::array<int, size + 1> cell{region[t]};
@@ -34,7 +34,7 @@ void count(std::span<const std::array<int, 4>> tets, std::span<const int> region
 
 } // namespace
 
-std::vector<int> euler_characteristics(std::span<const std::array<int, 4>> tets, std::span<const int> region) {
+std::vector<int> euler_characteristics(std::span<const Tet> tets, std::span<const int> region) {
     int regions = 0;
     for (const int r : region)
         regions = std::max(regions, r + 1);

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <array>
+#include "base/cells.h"
+
 #include <span>
 #include <vector>
 
@@ -8,6 +9,6 @@ namespace wct::geometry {
 
 /// Euler characteristic of each region: vertices - edges + facets - tets; regions count from 0, others are left out.
 /// For a solid with manifold boundary it is half the boundary's: pieces - handles + cavities.
-std::vector<int> euler_characteristics(std::span<const std::array<int, 4>> tets, std::span<const int> region);
+std::vector<int> euler_characteristics(std::span<const Tet> tets, std::span<const int> region);
 
 } // namespace wct::geometry

@@ -35,7 +35,7 @@ class Search {
 
 } // namespace
 
-Farthest farthest_sample(std::span<const Vec3> points, std::span<const std::array<int, 3>> triangles, double step,
+Farthest farthest_sample(std::span<const Vec3> points, std::span<const Facet> triangles, double step,
                          const TriangleTree &surface, const Workers &workers) {
     std::vector<char> first(3 * triangles.size(), 0); // corners that no triangle before has
     std::vector<char> known(points.size(), 0);

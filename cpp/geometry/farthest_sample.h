@@ -1,10 +1,10 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/parallel.h"
 #include "base/vec3.h"
 #include "geometry/triangle_tree.h"
 
-#include <array>
 #include <span>
 
 namespace wct::geometry {
@@ -17,7 +17,7 @@ struct Farthest {
 
 /// The sample of these triangles that is farthest from a surface: their corners, and regularly inside and on the edges
 /// so that neighbours are at most `step` apart.
-Farthest farthest_sample(std::span<const Vec3> points, std::span<const std::array<int, 3>> triangles, double step,
+Farthest farthest_sample(std::span<const Vec3> points, std::span<const Facet> triangles, double step,
                          const TriangleTree &surface, const Workers &workers);
 
 } // namespace wct::geometry

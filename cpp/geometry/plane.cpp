@@ -4,7 +4,7 @@
 
 namespace wct::geometry {
 
-PatchPlane plane_of(std::span<const Vec3> points, std::span<const std::array<int, 3>> triangles) {
+PatchPlane plane_of(std::span<const Vec3> points, std::span<const Facet> triangles) {
     PatchPlane found;
     double largest = -1.0;
     for (const auto &[a, b, c] : triangles) {

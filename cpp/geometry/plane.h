@@ -1,9 +1,9 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/vec3.h"
 
 #include <algorithm>
-#include <array>
 #include <span>
 
 namespace wct::geometry {
@@ -53,6 +53,6 @@ struct PatchPlane {
     double extent = 0.0;
     double off = 0.0;
 };
-PatchPlane plane_of(std::span<const Vec3> points, std::span<const std::array<int, 3>> triangles);
+PatchPlane plane_of(std::span<const Vec3> points, std::span<const Facet> triangles);
 
 } // namespace wct::geometry

@@ -7,7 +7,7 @@
 
 namespace wct::geometry {
 
-TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const std::array<int, 3>> triangles)
+TriangleTree::TriangleTree(std::span<const Vec3> points, std::span<const Facet> triangles)
     : points_(points), triangles_(triangles) {
     std::vector<Box> boxes(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "base/cells.h"
 #include "base/vec3.h"
 #include "geometry/box_tree.h"
 
-#include <array>
 #include <span>
 
 namespace wct::geometry {
@@ -15,7 +15,7 @@ class TriangleTree {
         int triangle = -1;
     };
 
-    TriangleTree(std::span<const Vec3> points, std::span<const std::array<int, 3>> triangles);
+    TriangleTree(std::span<const Vec3> points, std::span<const Facet> triangles);
 
     /// Sooner where `hint` is a triangle nearby; the answer does not depend on it. Any triangle will do whose squared
     /// distance is at most `enough`.
@@ -28,7 +28,7 @@ class TriangleTree {
     }
 
     std::span<const Vec3> points_;
-    std::span<const std::array<int, 3>> triangles_;
+    std::span<const Facet> triangles_;
     BoxTree tree_;
     double scale_ = 0.0; // largest coordinate
 };

@@ -3,7 +3,6 @@
 #include "base/cells.h"
 #include "base/vec3.h"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,9 +15,9 @@ struct Problem {
     std::vector<Tet> tets;
     std::vector<Stratum> stratum;
     std::vector<std::int64_t> label;
-    std::vector<std::array<std::int32_t, 3>> triangles;
+    std::vector<Facet> triangles;
     std::vector<std::int64_t> triangle_patch;
-    std::vector<std::array<std::int32_t, 2>> segments;
+    std::vector<Edge> segments;
     std::vector<std::int64_t> segment_curve;
 };
 

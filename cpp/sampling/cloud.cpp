@@ -82,7 +82,7 @@ std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &ref
     return shared;
 }
 
-bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 3> &facet) {
+bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const Facet &facet) {
     return shared_patches(cloud, reference, facet).empty() &&
            std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); });
 }

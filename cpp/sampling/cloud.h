@@ -5,7 +5,6 @@
 #include "base/vec3.h"
 #include "domain/reference.h"
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -51,7 +50,7 @@ bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point
 /// The patches all of these points belong to (at least one), ascending.
 std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points);
 /// Whether a facet cuts across from one planar patch to another: its corners share none, and no curved one is there.
-bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 3> &facet);
+bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const Facet &facet);
 
 /// Which points are on wires, curves inside a region with no patch beside, their ends too.
 std::vector<char> on_wires(const Cloud &cloud, const domain::Reference &reference);

@@ -62,7 +62,7 @@ class Objective {
         constexpr double kHopeless = 2e-2;
         energy::TetLanes lanes;
         energy::WorstLanes worst;
-        std::vector<std::array<int, 4>> kept;
+        std::vector<Tet> kept;
         for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
             load(cloud.points, first, lanes);
             energy::measure_worst(lanes, false, worst);
@@ -231,8 +231,8 @@ class Objective {
     const EdgeForm &edge_form_;
     const FitForm &fit_;
     const std::vector<Tie> &ties_;
-    std::vector<std::array<int, 2>> edges_;
-    std::vector<std::array<int, 4>> tets_;
+    std::vector<Edge> edges_;
+    std::vector<Tet> tets_;
     std::vector<double> floors_;
     double reach_;
     energy::Field scaled_, next_; // where the points stand, and were tried last, in units of their sizes

@@ -15,7 +15,7 @@ constexpr double kCrowded = 0.4 * kClosest; // of new points from others, likewi
 /// How near a crease a patch point that takes its edge away stands, in sizes: farther ones leave room for a new point.
 constexpr double kOn = 0.2;
 
-using Edges = std::vector<std::array<int, 2>>;
+using Edges = std::vector<Edge>;
 
 /// Edges that a crease may run along: those of the surface, and where there is none, of tets.
 Edges possible_creases(const Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex) {

@@ -4,7 +4,6 @@
 #include "sampling/sheets.h"
 
 #include <algorithm>
-#include <array>
 
 namespace wct::sampling {
 
@@ -20,7 +19,7 @@ bool keeps(const domain::Reference &reference, int patch, const domain::SizingFo
 std::vector<int> across_planes(const Cloud &cloud, const RestrictedDelaunay &complex,
                                const domain::Reference &reference, const domain::SizingForm &sizing) {
     constexpr double far = 4.0; // tolerances
-    const auto off = [&](const std::array<int, 3> &facet) {
+    const auto off = [&](const Facet &facet) {
         const Vec3 &a = cloud.points[facet[0]], &b = cloud.points[facet[1]], &c = cloud.points[facet[2]];
         for (const Vec3 &p : {(1.0 / 3.0) * (a + b + c), 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)})
             if (reference.nearest(p).distance > far * sizing.tolerance)

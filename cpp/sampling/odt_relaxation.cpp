@@ -90,8 +90,8 @@ int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelau
          double shortest) {
     constexpr double dividing = 0.7; // what of the shortest length an edge may have that divides an angle at a corner
     constexpr double apart = 0.5;    // of new points from others, in sizes
-    std::vector<std::pair<double, std::array<int, 2>>> far;
-    std::vector<std::pair<double, std::array<int, 2>>> near;
+    std::vector<std::pair<double, Edge>> far;
+    std::vector<std::pair<double, Edge>> near;
     const auto edges = surface_edges(complex);
     std::vector<char> divides(cloud.count(), 0); // the angle of a patch at a corner; it takes a shorter edge to do so
     for (const auto &[v, w] : edges)

@@ -43,7 +43,7 @@ class PlaneRecovery {
         : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {}
 
     /// The edge of the tet that passes through a plane of its other corners, if one does.
-    void look_at(const std::array<int, 4> &tet) {
+    void look_at(const Tet &tet) {
         std::array<std::vector<int>, 4> own;
         for (int i = 0; i < 4; ++i)
             own[i] = patches_of(cloud_, reference_, tet[i]);
@@ -136,7 +136,7 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_surface(t, i))
                 continue;
-            const std::array<int, 3> facet = complex.facet(t, i);
+            const Facet facet = complex.facet(t, i);
             if (std::any_of(facet.begin(), facet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) ||
                 !cuts_across(cloud, reference, facet))
                 continue;

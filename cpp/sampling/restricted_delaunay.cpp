@@ -18,7 +18,7 @@ constexpr double kFlat = 1e-5;  // altitude per mean edge of a tet that is nothi
 constexpr double kSliver = 0.3; // the same for a tet that rests on a curved patch
 
 /// Smallest altitude per mean edge.
-double flatness(const std::vector<Vec3> &points, const std::array<int, 4> &tet) {
+double flatness(const std::vector<Vec3> &points, const Tet &tet) {
     double mean = 0.0;
     double area = 0.0;
     for (const auto &f : kOutward) {
@@ -35,13 +35,13 @@ double flatness(const std::vector<Vec3> &points, const std::array<int, 4> &tet) 
     return area > line * mean * mean ? det / (area * mean) : 0.0;
 }
 
-bool share_curved_patch(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {
+bool share_curved_patch(const Cloud &cloud, const domain::Reference &reference, const Tet &tet) {
     const std::vector<int> shared = shared_patches(cloud, reference, tet);
     return std::any_of(shared.begin(), shared.end(), [&](int p) { return !reference.planar(p); });
 }
 
 /// Whether a tet has an edge far longer than wanted, between curved patches: past the crease between two of them.
-bool reaches_along(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {
+bool reaches_along(const Cloud &cloud, const domain::Reference &reference, const Tet &tet) {
     constexpr double far = 3.0; // sizes
     if (!std::all_of(tet.begin(), tet.end(), [&](int v) { return on_curved(cloud, reference, v); }))
         return false;
@@ -161,7 +161,7 @@ void find_double_fans(const RegionSurfaces &surfaces, DisjointSets &fans, std::v
 
 } // namespace
 
-std::array<int, 3> RestrictedDelaunay::facet(int t, int i) const {
+Facet RestrictedDelaunay::facet(int t, int i) const {
     const auto &tet = all.tets[t];
     return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
 }
@@ -207,8 +207,8 @@ RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Referen
     return complex;
 }
 
-std::vector<std::array<int, 3>> surface_facets(const RestrictedDelaunay &complex) {
-    std::vector<std::array<int, 3>> facets;
+std::vector<Facet> surface_facets(const RestrictedDelaunay &complex) {
+    std::vector<Facet> facets;
     for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
         for (int i = 0; i < 4; ++i)
             if (complex.on_surface(t, i))
@@ -216,8 +216,8 @@ std::vector<std::array<int, 3>> surface_facets(const RestrictedDelaunay &complex
     return facets;
 }
 
-std::vector<std::array<int, 2>> surface_edges(const RestrictedDelaunay &complex) {
-    std::vector<std::array<int, 2>> edges;
+std::vector<Edge> surface_edges(const RestrictedDelaunay &complex) {
+    std::vector<Edge> edges;
     for (const auto &f : surface_facets(complex))
         for (int k = 0; k < 3; ++k)
             edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "base/cells.h"
 #include "delaunay/delaunay.h"
 #include "domain/reference.h"
 #include "domain/region_map.h"
 #include "sampling/cloud.h"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,7 +21,7 @@ struct RestrictedDelaunay {
     std::vector<std::uint8_t> sheets;
 
     /// Corners of the facet of tet t opposite corner i, outward.
-    std::array<int, 3> facet(int t, int i) const;
+    Facet facet(int t, int i) const;
     /// Region across that facet.
     int beyond(int t, int i) const {
         const int n = all.neighbours[t][i];
@@ -57,9 +57,9 @@ Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex);
 
 /// Facets of the boundary, the interfaces and the sheets, each once, outward or out of the region with the smaller
 /// number.
-std::vector<std::array<int, 3>> surface_facets(const RestrictedDelaunay &complex);
+std::vector<Facet> surface_facets(const RestrictedDelaunay &complex);
 
 /// Their edges, each once, ends ascending.
-std::vector<std::array<int, 2>> surface_edges(const RestrictedDelaunay &complex);
+std::vector<Edge> surface_edges(const RestrictedDelaunay &complex);
 
 } // namespace wct::sampling

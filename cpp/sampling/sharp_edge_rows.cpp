@@ -21,7 +21,7 @@ constexpr std::array<double, 2> kFirst{0.55, 0.7}, kBetween{0.4, 0.6}, kLast{0.3
 constexpr double kMirroredFirst = 0.62, kMirroredBetween = 0.5, kMirroredLast = 0.38;
 
 /// Along a triangle, away from its edge.
-Vec3 away(const domain::Reference &reference, int triangle, const std::array<int, 2> &edge) {
+Vec3 away(const domain::Reference &reference, int triangle, const Edge &edge) {
     const auto &points = reference.data().points;
     const Vec3 along = unit(points[edge[1]] - points[edge[0]]);
     for (const int v : reference.data().triangles[triangle])

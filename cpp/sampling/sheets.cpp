@@ -26,8 +26,7 @@ bool any_sheet(const domain::Reference &reference) {
 }
 
 /// The sheet that a facet is on, -1: none; `foot` receives where the facet's centroid belongs on it.
-int sheet_of(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 3> &facet,
-             domain::Foot &foot) {
+int sheet_of(const Cloud &cloud, const domain::Reference &reference, const Facet &facet, domain::Foot &foot) {
     for (const int patch : shared_patches(cloud, reference, facet)) {
         if (!reference.sheet(patch))
             continue;
@@ -41,8 +40,7 @@ int sheet_of(const Cloud &cloud, const domain::Reference &reference, const std::
 }
 
 /// Height of a tet's centroid over the plane of a triangle of the reference.
-double height(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet,
-              const domain::Foot &foot) {
+double height(const Cloud &cloud, const domain::Reference &reference, const Tet &tet, const domain::Foot &foot) {
     return dot(cloud.centroid(tet) - foot.point, reference.normal(foot.triangle));
 }
 
@@ -63,7 +61,7 @@ void find_sheets(const Cloud &cloud, const domain::Reference &reference, Restric
                 std::any_of(facet.begin(), facet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }))
                 continue;
             // From either side the same answer: the corners' order must not matter.
-            std::array<int, 3> corners = facet;
+            Facet corners = facet;
             std::sort(corners.begin(), corners.end());
             domain::Foot foot;
             if (sheet_of(cloud, reference, corners, foot) < 0)

@@ -23,16 +23,16 @@ Vec3 blend(const Cloud &cloud, const Tie &tie) {
 }
 
 /// The edges that a facet samples: each edge of the surface from one of its two sides.
-bool samples_edge(const std::array<int, 3> &f, int k) {
+bool samples_edge(const Facet &f, int k) {
     return f[k] < f[(k + 1) % 3];
 }
 
-std::size_t samples_of(const std::array<int, 3> &f) {
+std::size_t samples_of(const Facet &f) {
     return std::size(kInner) + (kSteps - 1) * (samples_edge(f, 0) + samples_edge(f, 1) + samples_edge(f, 2));
 }
 
 /// Ties of one facet's samples to the reference, from `tie` on; those over planes stay empty.
-void tie_facet(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 3> &f, Tie *tie) {
+void tie_facet(const Cloud &cloud, const domain::Reference &reference, const Facet &f, Tie *tie) {
     int near = std::max({cloud.near[f[0]], cloud.near[f[1]], cloud.near[f[2]]});
     const auto tie_point = [&](const std::array<double, 3> &weight) {
         Tie made{f, weight, {}, 0.0};
@@ -145,7 +145,7 @@ double height_of(const Riser &r, std::span<const TieUses::Use> uses, const std::
 std::vector<Tie> tie_surface(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
                              const Workers &workers) {
     const auto &vertices = reference.data().points;
-    const std::vector<std::array<int, 3>> facets = surface_facets(complex);
+    const std::vector<Facet> facets = surface_facets(complex);
     std::vector<std::size_t> first{0}; // tie per facet, then of the vertices
     for (const auto &f : facets)
         first.push_back(first.back() + samples_of(f));
@@ -194,7 +194,7 @@ void fit_heights(Cloud &cloud, const domain::Reference &reference, const std::ve
 }
 
 std::size_t count_off(const Cloud &cloud, const std::vector<Tie> &ties, double limit) {
-    std::vector<std::array<int, 3>> off;
+    std::vector<Facet> off;
     for (const Tie &tie : ties)
         if (std::fabs(dot(tie.normal, blend(cloud, tie)) - tie.level) > limit)
             off.push_back(tie.corner);

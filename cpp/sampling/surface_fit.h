@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/cells.h"
 #include "domain/reference.h"
 #include "sampling/cloud.h"
 #include "sampling/restricted_delaunay.h"
@@ -12,7 +13,7 @@ namespace wct::sampling {
 /// A point of a surface facet and the plane of the reference it was found nearest to: near there, the distance between
 /// the two surfaces is |dot(normal, sum of weight * corner) - level|.
 struct Tie {
-    std::array<int, 3> corner;
+    Facet corner;
     std::array<double, 3> weight;
     Vec3 normal;
     double level = 0.0;

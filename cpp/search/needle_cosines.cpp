@@ -8,7 +8,7 @@
 namespace wct::search {
 
 std::vector<double> needle_cosines(std::span<const Vec3> points, std::span<const Tet> tets,
-                                   std::span<const int> regions, std::span<const std::array<int, 2>> creases) {
+                                   std::span<const int> regions, std::span<const Edge> creases) {
     std::vector<char> on_crease(points.size(), 0);
     std::map<Edge, std::map<int, double>> filled; // crease edge -> region -> its angle
     for (const auto &[v, w] : creases) {
