@@ -176,9 +176,7 @@ nb::tuple move_vertices(const Array &points, const Array &tets, nb::handle strat
     return nb::make_tuple(fresh_points(std::span<const Vec3>(result.points)), report);
 }
 
-} // namespace
-
-void bind_move_vertices(nb::module_ &m) {
+void bind_energies(nb::module_ &m) {
     using namespace nb::literals;
     m.def("tet_energy", &tet_energy, "points"_a, "tets"_a, nb::kw_only(), "margin3"_a, "power3"_a, "margin2"_a,
           "power2"_a, "weight2"_a, "weight_quality"_a,
@@ -213,6 +211,13 @@ ValueError
         R"(The energy of :func:`tet_energy` summed over the tets around one point, and its gradient (3,) in that point.
 
 Here a tet may be as flat as it is; it is infinite where one is inverted.)");
+}
+
+} // namespace
+
+void bind_move_vertices(nb::module_ &m) {
+    using namespace nb::literals;
+    bind_energies(m);
     m.def(
         "orientation", &orientation, "points"_a, "tets"_a,
         nb::sig("def orientation(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64])"

@@ -11,25 +11,14 @@ MOST_LINES = 60  # from the first line of the head to the closing brace; Python'
 MOST_PARAMETERS = 10
 MOST_ENTRIES = 15
 
-_ARRAYS = "arrays and options one by one"
 _COMMAND = "click hands a command its options as parameters"
 
 #: Functions over a limit, as file:name, and why.
 ALLOWED = {
-    "cpp/bindings/conform.cpp:conform_arrays": _ARRAYS,
-    "cpp/bindings/move_vertices.cpp:move_vertices": _ARRAYS,
-    "cpp/bindings/refill.cpp:refill_arrays": _ARRAYS,
-    "cpp/bindings/refill.cpp:conform_inside_arrays": _ARRAYS,
-    "cpp/bindings/resample.cpp:to_python": "a line per array",
-    "cpp/bindings/resample.cpp:resample_arrays": _ARRAYS,
-    "cpp/bindings/search.cpp:to_python": "a line per array",
-    "cpp/bindings/search.cpp:search_well_centered": _ARRAYS,
-    "filters/meshing_well_centered.py:_well_center": "the remesher",
     "wct_plugin/batch/run.py:run_batch": "keyword options of a public call, each with a default",
     "wct_plugin/cli/batch.py:batch": _COMMAND,
     "wct_plugin/cli/optimize.py:optimize": _COMMAND,
     "wct_plugin/cli/report.py:report": _COMMAND,
-    "wct_plugin/meshing/local_search.py:resampled": "the remesher",
 }
 
 
