@@ -1,0 +1,73 @@
+#include "library/triangle_edges.h"
+
+#include "base/disjoint_sets.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace wct::library {
+
+TriangleEdges::TriangleEdges(std::span<const Facet> triangles) {
+    struct Side {
+        Edge edge;
+        int owner;
+        bool forward;
+        bool operator<(const Side &o) const { return std::tie(edge, owner) < std::tie(o.edge, o.owner); }
+    };
+    std::vector<Side> sides;
+    sides.reserve(3 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (int i = 0; i < 3; ++i) {
+            const int a = triangles[t][i], b = triangles[t][(i + 1) % 3];
+            sides.push_back({{std::min(a, b), std::max(a, b)}, static_cast<int>(t), a < b});
+        }
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+        if (k == 0 || sides[k].edge != sides[k - 1].edge) {
+            edges_.push_back(sides[k].edge);
+            starts_.push_back(k);
+        }
+        owners_.push_back(sides[k].owner);
+        forward_.push_back(sides[k].forward);
+    }
+    starts_.push_back(sides.size());
+}
+
+std::vector<double> bend_angles(std::span<const Vec3> points, std::span<const Facet> triangles,
+                                const TriangleEdges &edges) {
+    const auto normal = [&](int t) {
+        const auto &[a, b, c] = triangles[t];
+        return normal_of({points[a], points[b], points[c]});
+    };
+    std::vector<double> out;
+    out.reserve(edges.count());
+    for (std::size_t e = 0; e < edges.count(); ++e)
+        out.push_back(angle(normal(edges.first(e)), (edges.same_way(e) ? -1.0 : 1.0) * normal(edges.last(e))));
+    return out;
+}
+
+std::vector<std::uint8_t> pinched_points(std::span<const Facet> triangles, const TriangleEdges &edges,
+                                         std::size_t points) {
+    const auto corner = [&](int t, int v) {
+        return 3 * t + static_cast<int>(std::find(triangles[t].begin(), triangles[t].end(), v) - triangles[t].begin());
+    };
+    DisjointSets sheets(3 * triangles.size());
+    for (std::size_t e = 0; e < edges.count(); ++e) {
+        const auto owners = edges.owners(e);
+        for (std::size_t k = 1; k < owners.size(); ++k)
+            for (const int v : edges.edges()[e])
+                sheets.join(corner(owners[k - 1], v), corner(owners[k], v));
+    }
+    std::vector<int> one(points, -1);
+    std::vector<std::uint8_t> pinched(points, 0);
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (int i = 0; i < 3; ++i) {
+            const int v = triangles[t][i], sheet = sheets.find(3 * static_cast<int>(t) + i);
+            if (one[v] < 0)
+                one[v] = sheet;
+            pinched[v] |= one[v] != sheet;
+        }
+    return pinched;
+}
+
+} // namespace wct::library
