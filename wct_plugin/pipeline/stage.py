@@ -18,8 +18,9 @@ from wct_plugin.errors import OptionError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.faults import told_apart
-from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.progress import ProgressCallback, ProgressChoice
 from wct_plugin.types import Metrics
+from wct_plugin.waiting.printed import told
 
 Mesh = TetMesh | SurfaceMesh
 Kind = type[TetMesh] | type[SurfaceMesh]
@@ -99,16 +100,18 @@ class FilterStage(Stage[O_co]):
         False  #: whether its metrics are what :func:`~wct_plugin.reports.report.make_report` can reuse
     )
 
-    def __call__(self, mesh: Any = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
+    def __call__(self, mesh: Any = None, progress: ProgressChoice = None) -> tuple[Mesh, Metrics]:
         """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run.
 
-        ``mesh`` may be anything that :func:`wct_plugin.objects.conversions.as_mesh` takes. Raises
+        ``mesh`` may be anything that :func:`wct_plugin.objects.conversions.as_mesh` takes; ``progress`` is called with
+        where the work stands, and prints that where it is True. Raises
         :class:`wct_plugin.errors.InternalError` where the filter itself is at fault.
         """
         mesh = None if mesh is None else as_mesh(mesh)
         self.check_takes(None if mesh is None else type(mesh))
         self.validate()
-        return told_apart(self.run, mesh, progress or _silent)
+        with told(progress) as callback:
+            return told_apart(self.run, mesh, callback)
 
     @abstractmethod
     def run(self, mesh: Any, progress: ProgressCallback) -> tuple[Mesh, Metrics]:
@@ -141,10 +144,6 @@ def check_kind(owner: str, needed: Kind, kind: Kind) -> None:
         return
     hint = f"; put filters.{_BRIDGES[kind]} before it" if _BRIDGES[kind] in filter_names() else ""
     raise OptionError(f"{owner} needs {KINDS[needed]}, here is {KINDS[kind]}{hint}")
-
-
-def _silent(_: Progress) -> bool:
-    return True
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
@@ -195,6 +194,11 @@ def filter_names() -> list[str]:
     return list(_entries())
 
 
+def filter_places() -> dict[str, str]:
+    """Where each registered filter is, as ``module:class``, by its name."""
+    return {name: entry.value for name, entry in _entries().items()}
+
+
 def find_filter(name: str) -> type[FilterStage[Options]]:
     """Return the registered filter of that name, with or without the prefix ``filters.``.
 
@@ -222,11 +226,12 @@ def find_filter(name: str) -> type[FilterStage[Options]]:
 
 
 def apply_filter(
-    name: str, mesh: Any = None, /, *, progress: ProgressCallback | None = None, **options: Any
+    name: str, mesh: Any = None, /, *, progress: ProgressChoice = None, **options: Any
 ) -> tuple[Mesh, Metrics]:
     """Run one filter on ``mesh`` and give the new mesh and the filter's metrics; ``mesh`` stays as it is.
 
     ``mesh`` may be one of other libraries too, see :func:`wct_plugin.objects.conversions.as_mesh`; the new one is ours.
+    ``progress=True`` prints where the work stands; a function is called with it, and stops the work by giving False.
 
     >>> mesh, metrics = apply_filter("apply_coord_well_centering", mesh, boundary="slide")  # doctest: +SKIP
     >>> mesh, metrics = apply_filter("create_cube", variant="84")  # filters that make a mesh take none
