@@ -56,6 +56,11 @@ class Stage(ABC, Generic[O_co]):
     def __init__(self, **options: Any) -> None:
         self.options: O_co = parse_options(self.declaration, options, self.type())  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        given = ((name, getattr(self.options, name)) for name in self.options.model_fields_set)
+        shown = "".join(f" {name}={reprlib.repr(value)}" for name, value in sorted(given, key=lambda one: one[0]))
+        return f"<{self.type()}{shown}>"
+
     def validate(self) -> None:
         """Check what needs more than the declaration: files, neighbours' names. Called before a pipeline runs anything.
 

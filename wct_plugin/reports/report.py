@@ -98,6 +98,9 @@ class Report:
     other_cells: Mapping[str, int] = field(default_factory=dict)  #: those with a volume beside the tets, by kind
     notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
 
+    def __repr__(self) -> str:
+        return f"<Report {self.headline()}>"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings, lists and dicts in full precision; None where a value is not finite."""
         out: dict[str, Any] = {
