@@ -8,6 +8,7 @@ from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import TetMesh
 from wct_plugin.objects import conversions
+from wct_plugin.pipeline.fractions import told_as_lengths
 from wct_plugin.pipeline.graph import Step, find_stage, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import ReadMesh, writer_type
@@ -66,7 +67,8 @@ def optimize(
     """
     if to is not None and to not in conversions.TARGETS:
         raise OptionError(f"to is {to!r}; allowed are {', '.join(conversions.TARGETS)}")
-    optimizer = find_filter(OPTIMIZER)(**options)
+    with told_as_lengths(lambda: conversions.as_mesh(source, regions=regions)):
+        optimizer = find_filter(OPTIMIZER)(**options)
     mesh = conversions.as_mesh(source, regions=regions)
     mesher = [] if isinstance(mesh, TetMesh) else [find_filter(_MESHER)()]
     steps = [ReadMesh(filename=mesh), *mesher, optimizer]

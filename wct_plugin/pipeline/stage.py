@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wct_plugin.errors import OptionError, WctError
+from wct_plugin.errors import FractionError, OptionError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.faults import told_apart
@@ -36,6 +36,11 @@ class Options(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+
+#: How the description of an option says that it is no length.
+_FRACTION = "as a fraction of the"
+#: Pydantic's names of faults of a number out of range.
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 O_co = TypeVar("O_co", bound=Options, covariant=True)
 
@@ -173,7 +178,12 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
         raise OptionError(f"{owner}: {message}")
     given = fault["input"]
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
-    raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")
+    said = f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}"
+    field = model.model_fields.get(option)
+    if field and fault["type"] in _BOUNDS and _FRACTION in (field.description or ""):
+        most = next((float(mark.le) for mark in field.metadata if hasattr(mark, "le")), None)
+        raise FractionError(f"{said}: it is a fraction of the bounding box's diagonal", float(given), most)
+    raise OptionError(said)
 
 
 def unknown_option(model: type[Options], option: str, owner: str) -> OptionError:

@@ -25,6 +25,17 @@ def choices(field: FieldInfo) -> list[str]:
     return [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
 
 
+def words(annotation: Any) -> list[str]:
+    """What may be typed for an option declared with ``annotation`` as far as that is a choice, for completion."""
+    if annotation is bool:
+        return ["true", "false"]
+    if get_origin(annotation) is Literal:
+        return [str(choice) for choice in get_args(annotation)]
+    if get_origin(annotation) in (Union, types.UnionType, Annotated):
+        return [word for part in get_args(annotation) for word in words(part)]
+    return []
+
+
 def describe_default(field: FieldInfo) -> str:
     """Give an option's default as the help prints it."""
     if field.is_required():

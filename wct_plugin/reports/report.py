@@ -170,6 +170,13 @@ class Report:
         """Place, tets there, those not 3WC, those not CWC."""
         return [(name, str(tets), str(no3), str(no)) for name, (tets, no3, no) in self.bad_by_place.items()]
 
+    def worst_line(self) -> str:
+        """The worst tet in one line."""
+        tet = self.worst[0]
+        place = ", ".join(f"{x:.4g}" for x in tet.centroid)
+        angle = _show("face_angle", tet.max_face_angle)
+        return f"worst: tet {tet.tet} ({tet.place}) near ({place}), min h/R {tet.min_height:.3f}, face angle {angle}"
+
     def worst_head(self) -> tuple[str, ...]:
         """Column names of :meth:`rows_worst`."""
         return ("tet", "region", "min h/R", "max face angle", "dihedral angles", "place", "centroid")
