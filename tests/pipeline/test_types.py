@@ -64,7 +64,6 @@ def test_pyright_knows_right_from_wrong(place):
     assert sorted(lines) == [("typed_wrong.py", line) for line in wrong_lines()]
 
 
-
 def test_the_committed_types_are_those_of_the_declarations():
     assert stub.STUB.read_text() == stub.text(stub.ours()), "stale: make docs"
 

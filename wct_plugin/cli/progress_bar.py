@@ -27,8 +27,7 @@ def progress_bar() -> Iterator[ProgressCallback]:
     The first Ctrl-C or SIGTERM asks the filter to stop and keep its best, a second ends it.
     """
     standing = Standing()
-    with (_bar(standing) if err.is_terminal and not err.quiet else _lines(standing)), FirstAsks() as signals:
-
+    with _bar(standing) if err.is_terminal and not err.quiet else _lines(standing), FirstAsks() as signals:
         estimated = False
 
         def hear(state: Progress) -> bool:

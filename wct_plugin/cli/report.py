@@ -10,7 +10,15 @@ from rich.text import Text
 
 from wct_plugin.cli import filter_options
 from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
-from wct_plugin.cli.output import check_apart, check_outputs, print_report, print_short, print_side_by_side, table, write_text
+from wct_plugin.cli.output import (
+    check_apart,
+    check_outputs,
+    print_report,
+    print_short,
+    print_side_by_side,
+    table,
+    write_text,
+)
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
@@ -111,7 +119,10 @@ def report(
     meshes = [_read(source, input_format, regions, surface, repair=repair) for source in sources]
     _check_planar(meshes, html_path, goal)
     reports = [
-        make_report(mesh, 10 if worst is None else worst, exact=exact) if isinstance(mesh, TetMesh) else planar.measure(mesh) for mesh in meshes
+        make_report(mesh, 10 if worst is None else worst, exact=exact)
+        if isinstance(mesh, TetMesh)
+        else planar.measure(mesh)
+        for mesh in meshes
     ]
     if html_path:
         title = ", ".join(PurePath(source).name for source in sources)

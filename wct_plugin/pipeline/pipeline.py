@@ -179,7 +179,9 @@ def _read(
     for index, step in enumerate(steps):
         if isinstance(step.stage, Reader):
             source = getattr(step.stage.options, "filename", None)
-            _placed(progress, steps, index)(Progress(f"reading {source}" if isinstance(source, str) else "reading", 0.0))
+            _placed(progress, steps, index)(
+                Progress(f"reading {source}" if isinstance(source, str) else "reading", 0.0)
+            )
             with _timed(seconds, index):
                 mesh = step.stage.read()
             flows[index] = Flow.of(step.stage, mesh, seconds[index])

@@ -1,4 +1,4 @@
-"""Made by `make docs` from the declarations of filters, readers and writers: what type checkers know of them."""
+"""Made by `make docs` from the declarations of filters, readers and writers: their types."""
 
 from collections.abc import Mapping, Sequence
 from os import PathLike

@@ -24,7 +24,7 @@ from wct_plugin.pipeline.stage import FilterStage, Options, Stage, filter_places
 #: The committed file.
 STUB = Path(__file__).with_name("signatures.pyi")
 _OURS = "wct_plugin.filters."
-_HEAD = '''"""Made by `make docs` from the declarations of filters, readers and writers: what type checkers know of them."""
+_HEAD = '''"""Made by `make docs` from the declarations of filters, readers and writers: their types."""
 
 from collections.abc import Mapping, Sequence
 from os import PathLike

@@ -22,7 +22,7 @@ class Standing:
     def hear(self, state: Progress) -> None:
         """Hear where it stands; each stage of a pipeline has a clock of its own."""
         now = self._clock()
-        if self._state is None or state.number != self._state.number:
+        if self._state is not None and state.number != self._state.number:
             self._remaining, self._fraction = Remaining(now), 0.0
         self._state = state
         self._remaining.hear(state, now)
