@@ -1,4 +1,4 @@
-"""The commands of ``wct``, and what they share: an example in their help, ``--quiet``, ``--verbose``, completion of files."""
+"""The commands of ``wct``, and what they share: an example in their help, ``--quiet``, ``--verbose``, completion."""
 
 from importlib import import_module
 from typing import Any, NamedTuple
