@@ -23,6 +23,8 @@ from wct_plugin.pipeline.stage import FilterStage, Options, Stage, filter_places
 
 #: The committed file.
 STUB = Path(__file__).with_name("signatures.pyi")
+#: What marks types that JSON cannot hold; to type checkers it is no class.
+_FROM_PYTHON: Any = SkipJsonSchema
 _OURS = "wct_plugin.filters."
 _HEAD = '''"""Made by `make docs` from the declarations of filters, readers and writers: their types."""
 
@@ -47,7 +49,7 @@ def typed(annotation: Any) -> str:
     """What may be given for an option declared with ``annotation``, as code."""
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        from_python_only = any(isinstance(mark, SkipJsonSchema) for mark in parts[1:])
+        from_python_only = any(isinstance(mark, _FROM_PYTHON) for mark in parts[1:])
         return "Any" if from_python_only and parts[0] is not np.ndarray else typed(parts[0])
     if origin in (Union, types.UnionType):
         shown = dict.fromkeys(map(typed, parts))

@@ -67,7 +67,7 @@ class Remaining:
         if self._searching is None:
             return None if state.expected is None else max(PER_TET * state.expected - gone, last)
         if state.stage == "local search: passes":
-            left = (state.bad or 0) * _SWEPT ** (1.0 - state.done)
+            left = (state.bad or 0) * math.pow(_SWEPT, 1.0 - state.done)
             return last + _PER_BAD * self._slowness(state) * left
         if self._kicks is not None and state.bad:
             first = _PER_BAD * self._slowness(state) * self._kicks.bad
