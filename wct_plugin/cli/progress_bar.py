@@ -1,7 +1,7 @@
 """Where long work stands, shown on stderr, and what Ctrl-C does meanwhile."""
 
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from rich.console import RenderableType
@@ -27,16 +27,20 @@ def progress_bar() -> Iterator[ProgressCallback]:
     The first Ctrl-C or SIGTERM asks the filter to stop and keep its best, a second ends it.
     """
     standing = Standing()
-    with _bar(standing) if err.is_terminal and not err.quiet else _lines(standing), FirstAsks() as signals:
-        estimated = False
+    shown = _bar(standing) if err.is_terminal and not err.quiet else _lines(standing)
+    with shown as refresh, FirstAsks() as signals:
+        estimated, phase = False, ""
 
         def hear(state: Progress) -> bool:
-            nonlocal estimated
+            nonlocal estimated, phase
             if state.expected and not estimated:
                 estimated = True
                 _print_estimate(state.expected)
             signals.turn(on=state.bad is not None)  # only a filter that has a best so far can be asked to keep it
             standing.hear(state)
+            if state.stage != phase:  # shown at once, however short it is
+                phase = state.stage
+                refresh()
             if signals.asked:
                 err.print("stopping; the best so far is kept (a second Ctrl-C or SIGTERM gives up)")
                 return False
@@ -73,13 +77,13 @@ class _Bar(ProgressBar):
 
 
 @contextmanager
-def _bar(standing: Standing) -> Iterator[None]:
-    with _Bar(standing):
-        yield
+def _bar(standing: Standing) -> Iterator[Callable[[], None]]:
+    with _Bar(standing) as bar:
+        yield bar.refresh
 
 
 @contextmanager
-def _lines(standing: Standing) -> Iterator[None]:
+def _lines(standing: Standing) -> Iterator[Callable[[], None]]:
     """Print a line every half minute, also while nothing is said."""
     over = threading.Event()
 
@@ -90,7 +94,7 @@ def _lines(standing: Standing) -> Iterator[None]:
     thread = threading.Thread(target=print_lines, daemon=True)
     thread.start()
     try:
-        yield
+        yield lambda: None
     finally:
         over.set()
         thread.join()
