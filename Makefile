@@ -1,6 +1,6 @@
 # make demo   a real surface through fTetWild, well-centered, measured, written
 # make test   the whole suite           make lint   style, types, who imports whom           make bench   ours and the peers side by side
-# make docs   the site in build/site; docs/filters.md and the stub of the core, made from declarations and docstrings
+# make docs   the site in build/site; docs/filters.md, the types of wct_plugin.Filter and the stub of the core, made from declarations
 # Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
 
 PYTHON ?= python3
@@ -39,6 +39,7 @@ lint: $(VENV)/.test
 
 docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md
+	$(BIN)/python -m wct_plugin.pipeline.stub wct_plugin/pipeline/signatures.pyi
 	$(BIN)/python -m nanobind.stubgen -q -m wct_plugin.core._core -o wct_plugin/core/_core.pyi
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 

@@ -78,10 +78,12 @@ class GenerateTetrahedralization(FilterStage[TetrahedralizationOptions]):
     def run(self, mesh: SurfaceMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         check_not_planar(mesh)
         options = self.options.model_dump(exclude={"mesher"})
-        if self.options.mesher == "tetgen":
-            progress(Progress("TetGen", 0.0))
-            tets = tetgen.tetrahedralize(mesh, **options)
-        else:
-            progress(Progress("fTetWild", 0.0))
-            tets = ftetwild.tetrahedralize(mesh, **options)
+        mesher = "TetGen" if self.options.mesher == "tetgen" else "fTetWild"
+
+        def heard(standing: str) -> None:
+            progress(Progress(f"{mesher}: {standing}" if standing else mesher, 0.0))
+
+        heard("")
+        fill = tetgen.tetrahedralize if self.options.mesher == "tetgen" else ftetwild.tetrahedralize
+        tets = fill(mesh, **options, heard=heard)
         return tets, {"tets": len(tets.tets), "points": len(tets.points)}

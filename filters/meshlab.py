@@ -11,8 +11,9 @@ from wct_plugin.adapters.meshlab import run as meshlab
 from wct_plugin.errors import OptionError
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.pipeline.stage import FilterStage, Options
-from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.progress import Progress, ProgressCallback, ProgressChoice
 from wct_plugin.types import Metrics
+from wct_plugin.waiting.printed import told
 
 
 class MeshlabOptions(Options):
@@ -67,10 +68,11 @@ class Meshlab(FilterStage[MeshlabOptions]):
         self._asked = False
         self._fault = ""  #: what pymeshlab cannot take, once it was asked
 
-    def __call__(self, mesh: Any = None, progress: ProgressCallback | None = None) -> tuple[SurfaceMesh, Metrics]:
+    def __call__(self, mesh: Any = None, progress: ProgressChoice = None) -> tuple[SurfaceMesh, Metrics]:
         """Run; the process that runs the filters checks them first, so none is started only for that."""
         self.check_takes(None if mesh is None else type(mesh))
-        return self.run(mesh, progress or (lambda _: True))
+        with told(progress) as callback:
+            return self.run(mesh, callback)
 
     @classmethod
     def prepare(cls, stages: Sequence[Any]) -> None:

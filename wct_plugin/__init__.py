@@ -38,11 +38,10 @@ if TYPE_CHECKING:
     from wct_plugin.objects.pyvista_meshes import to_pyvista
     from wct_plugin.objects.skfem_meshes import to_skfem
     from wct_plugin.objects.trimesh_meshes import to_trimesh
-    from wct_plugin.pipeline.constructors import Filter, Reader, Writer
-    from wct_plugin.pipeline.one_line import optimize, report
+    from wct_plugin.pipeline.one_line import report
     from wct_plugin.pipeline.pipeline import Pipeline
     from wct_plugin.pipeline.result import Result
-    from wct_plugin.pipeline.stage import apply_filter
+    from wct_plugin.pipeline.signatures import Filter, Reader, Writer, apply_filter, optimize
     from wct_plugin.pipeline.time_limit import TimeLimit
 
 #: Where each public name comes from.
@@ -121,12 +120,19 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value  # so that it is looked up once
-    return value
+if TYPE_CHECKING:
+    __version__: str
+else:  # type checkers would take any name for one of ours
+
+    def __getattr__(name: str) -> Any:
+        if name == "__version__":
+            value = import_module("importlib.metadata").version(__name__)
+        elif name in _HOMES:
+            value = getattr(import_module(_HOMES[name]), name)
+        else:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        globals()[name] = value  # so that it is looked up once
+        return value
 
 
 def __dir__() -> list[str]:

@@ -21,6 +21,15 @@ class OptionError(WctError):
     """An unknown stage or option, a value out of range, or stages that do not fit together."""
 
 
+class FractionError(OptionError):
+    """A value out of range of an option that is a fraction of the bounding-box diagonal: most likely a length."""
+
+    def __init__(self, message: str, value: float, most: float | None) -> None:
+        super().__init__(message)
+        self.value = value
+        self.most = most  #: that is allowed
+
+
 class OutputError(WctError):
     """A result that could not be written; nothing is left behind under the target's name."""
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from support.processes import wait_until, working_in
 
-from wct_plugin.adapters import child_process
+from wct_plugin.adapters import child_process, ftetwild, tetgen
 from wct_plugin.errors import NeighbourError
 
 FAMILY = ["sh", "-c", "sleep 60 & sleep 60 & wait"]
@@ -78,3 +78,39 @@ def test_a_memory_limit(tmp_path: Path) -> None:
     assert child_process.run(command, tmp_path, None, "Python", memory=1 << 30) == f"{300 << 20}\n"
     with pytest.raises(child_process.ChildError, match=r"^Python failed with exit code 1; .*MemoryError$"):
         child_process.run(command, tmp_path, None, "Python", memory=200 << 20)
+
+
+def test_what_is_printed_is_heard_while_it_runs(tmp_path: Path) -> None:
+    heard: list[str] = []
+    script = "import time; print('pass 1', flush=True); time.sleep(1.5); print('pass 2', flush=True)"
+    said = child_process.run([sys.executable, "-c", script], tmp_path, None, "It", heard=heard.append)
+    assert heard[0] == "pass 1\n"
+    assert said == "pass 1\npass 2\n"
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ("Loading mesh...\n", ""),
+        ("max_energy = 68.4528\navg_energy = 6.5\n", "worst energy 68.5"),
+        ("//////////////// pass 0 ////////////////\nmax_energy = 13.474\nmax_energy = 12", "pass 1, worst energy 13.5"),
+        (
+            "/// pass 3 ///\nmax_energy = 9.4\n//////////// postprocessing ////////////\n",
+            "postprocessing, worst energy 9.4",
+        ),
+    ],
+)
+def test_where_ftetwild_stands(said: str, words: str) -> None:
+    assert ftetwild._standing(said) == words
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ("Opening surface.poly.\n", ""),
+        ("Delaunizing vertices...\nDelaunay seconds:  0.006\nCreating surface mesh ...\n", "creating surface mesh"),
+        ("Refining mesh...\n", "refining mesh"),
+    ],
+)
+def test_where_tetgen_stands(said: str, words: str) -> None:
+    assert tetgen._standing(said) == words

@@ -16,7 +16,7 @@ from support.builders import jittered_cube
 from support.refusals import refused
 
 import wct_plugin as wct
-from wct_plugin.cli import main, output
+from wct_plugin.cli import main, output, progress_bar
 from wct_plugin.cli.commands import COMMANDS
 
 WCT = Path(sys.executable).with_name("wct")
@@ -141,8 +141,32 @@ def test_a_terminal_gets_a_bar_and_colours_unless_told_not_to(place):
     assert "2/2" in shown
     assert "━" in shown
     shown = on_a_terminal([*command, "two"], NO_COLOR="1")
-    assert not colour.search(shown)
+    assert not re.search(r"\x1b\[[0-9;]*m", shown)  # nor bold
     assert "bad.vtu" in shown
+
+
+def test_a_terminal_is_told_stage_bad_tets_and_time(place):
+    shown = on_a_terminal(["optimize", "cube.vtu", "out.vtu"], COLUMNS="80")
+    plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown)
+    assert re.search(r"stage 2 of 3: [a-z :]+, \d+ bad tets? left", plain)
+    assert re.search(r"━ 0:\d\d", plain)
+    assert max(len(line) for line in re.split(r"[\r\n]+", plain)) <= 80
+
+
+def test_what_is_no_terminal_is_told_now_and_then(place, capsys, monkeypatch):
+    monkeypatch.setattr(progress_bar, "LINES", 0.02)
+    assert main.run(["optimize", "cube.vtu", "out.vtu"]) in (0, 1)
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("stage ")]
+    assert any(re.match(r"stage 2 of 3: .*, 0:\d\d", line) for line in lines)
+
+
+def test_verbose_prints_stages_and_their_phases(place, capsys):
+    assert main.run(["optimize", "-v", "cube.vtu", "out.vtu"]) in (0, 1)
+    said = capsys.readouterr().err
+    assert "debug: stage 2 of 3 (filters.meshing_well_centered): resampling\n" in said
+    assert re.search(r"debug: stage 3 of 3 \(writers.mesh\): \d\.\d s, out.vtu\n", said)
+    assert main.run(["report", "cube.vtu"]) == 0
+    assert "debug" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", WORK)
@@ -180,7 +204,6 @@ def test_nothing_asked_for_is_answered_by_the_help(capsys):
 
 
 def test_an_output_takes_the_place_of_no_input(place, capsys):
-    """But for a better mesh, which may."""
     before = Path("cube.vtu").read_bytes()
     cases = [
         ("report", "cube.vtu", "--json", "./cube.vtu"),
@@ -194,7 +217,6 @@ def test_an_output_takes_the_place_of_no_input(place, capsys):
     for case in cases:
         assert refused(capsys, *case) == f"{case[-1]!r} is given twice; an output needs a name of its own"
     assert Path("cube.vtu").read_bytes() == before
-    assert main.run(["optimize", "cube.vtu", "cube.vtu", "-q"]) == 0
 
 
 # --- completion -----------------------------------------------------------------------------------------------------
@@ -217,6 +239,17 @@ def test_scripts_ask_wct(shell, capsys):
         ("wct report cu", "file,cu"),
         ("wct optimize a.vtu b.vtu --ref", "plain,--reference"),
         ("wct optimize a.vtu b.vtu --filter app", "plain,apply_coord_well_centering"),
+        ("wct optimize a.vtu b.vtu --goal one", "plain,one-sided"),
+        ("wct optimize a.vtu b.vtu --boundary k", "plain,keep"),
+        ("wct optimize a.vtu b.vtu --mesher te", "plain,tetgen"),
+        ("wct report a.vtu --goal 3", "plain,3wc"),
+        ("wct create cube c.vtu --variant 19", "plain,194_best"),
+        ("wct run dec-ready a.vtu b.vtu --set filters.mesh", "plain,filters.meshing_well_centered."),
+        ("wct run dec-ready --set filters.meshing_well_centered.go", "plain,filters.meshing_well_centered.goal="),
+        (
+            "wct batch dec-ready --set filters.meshing_well_centered.goal=d",
+            "plain,filters.meshing_well_centered.goal=delaunay",
+        ),
     ],
 )
 def test_completion(words, expected, monkeypatch, capsys):
@@ -226,3 +259,21 @@ def test_completion(words, expected, monkeypatch, capsys):
     with pytest.raises((SystemExit, click.exceptions.Exit)):
         main.run([])
     assert expected in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["wct", "optimize", "a", "b", "--goal", "=", "3"], ["3wc"]),
+        (["wct", "run", "dec-ready", "a", "b", "--set", "filters.meshing_well_centered.goal", "=", "o"], ["one-sided"]),
+    ],
+)
+def test_bash_completes_behind_an_equals_sign_which_it_takes_for_a_word(words, expected):
+    typed = " ".join(map(shlex.quote, words))
+    script = (
+        f"source <(wct completion bash); compopt() {{ :; }}; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; "
+        '_wct_completion wct; printf "%s\\n" "${COMPREPLY[@]}"'
+    )
+    path = {**os.environ, "PATH": f"{WCT.parent}:{os.environ['PATH']}"}
+    shown = subprocess.run(["bash", "-c", script], env=path, capture_output=True, text=True, check=True)
+    assert shown.stdout.split() == expected

@@ -149,7 +149,7 @@ def test_usage(place, capsys, monkeypatch):
         "dec-redy: no such file; did you mean 'dec-ready'? (ready-made"
     )
     (place / "folder").mkdir()
-    assert refused(capsys, "run", "folder") == "folder: cannot be read: Is a directory"
+    assert refused(capsys, "run", "folder") == "folder: is a directory; the name of a pipeline's file is needed"
     assert "there is no directory no" in refused(capsys, "run", name, "cube.vtu", "o.vtu", "--metadata", "no/m.json")
 
 

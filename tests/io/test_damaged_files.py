@@ -250,7 +250,7 @@ def test_endless_readers(name: str, content: str, tmp_path: Path) -> None:
 
 def test_a_directory_and_an_unknown_suffix(tmp_path: Path) -> None:
     (tmp_path / "a.vtu").mkdir()
-    assert refusal(tmp_path / "a.vtu") == "is no file; a mesh file is needed"
+    assert refusal(tmp_path / "a.vtu") == "is a directory; the name of a mesh file is needed"
     (tmp_path / "a.docx").write_text("text")
     assert refusal(tmp_path / "a.docx").startswith("unknown suffix '.docx'; allowed are .vtu .vtk .xdmf")
 

@@ -113,8 +113,8 @@ def names(folder):
 def test_a_row_reads_runs_and_writes(place):
     heard = []
     chain = wct.Reader("cube.vtu") | Scale(by=3) | wct.Filter.get_quality(worst=2) | wct.Writer("out.vtu")
-    result = chain.execute(lambda state: heard.append(state.stage))
-    assert heard == ["scaling"]
+    result = chain.execute(lambda state: heard.append((state.number, state.count, state.stage)))
+    assert heard == [(1, 4, "reading cube.vtu"), (2, 4, "scaling"), (4, 4, "writing out.vtu")]
     assert np.array_equal(wct.read("out.vtu").points, 3.0 * CUBE.points)
     assert result.stages[-1].flow.report().source == "out.vtu"
     assert result.mesh.source == "cube.vtu"

@@ -1,5 +1,6 @@
 """Another program in a process of its own: all of it is ended on timeout or Ctrl-C, the error quotes its last lines."""
 
+import logging
 import math
 import os
 import shutil
@@ -7,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from wct_plugin.errors import NeighbourError, OptionError
@@ -17,6 +18,10 @@ if sys.platform == "linux":
 
 #: Seconds for which Python may sleep without looking whether Ctrl-C was pressed.
 _LONGEST_NAP = 1.0
+#: Bytes of what was printed last that say where a program stands.
+_LAST = 4096
+
+_log = logging.getLogger(__name__)
 
 
 class ChildError(NeighbourError):
@@ -34,6 +39,7 @@ def run(
     who: str,
     memory: int | None = None,
     advice: str = "",
+    heard: Callable[[str], object] | None = None,
 ) -> str:
     """Run ``command`` in ``folder`` and give what it printed, stdout and stderr together.
 
@@ -51,6 +57,8 @@ def run(
         Bytes of address space it may take; None is no limit. Only Linux can do that.
     advice : str
         What would make it faster, for the message of a timeout.
+    heard : callable, optional
+        Called about every second with the last of what it printed so far; nothing, on systems where that is not known.
 
     Raises
     ------
@@ -63,6 +71,7 @@ def run(
     """
     if memory is not None and sys.platform != "linux":
         raise OptionError(f"{who}'s memory cannot be limited on {sys.platform}; leave the limit out")
+    _log.debug("%s: %s", who, " ".join(map(str, command)))
     try:
         # A process group of its own, so that what the program starts is ended with it.
         child = subprocess.Popen(
@@ -79,7 +88,7 @@ def run(
         try:
             if memory is not None and sys.platform == "linux":
                 resource.prlimit(child.pid, resource.RLIMIT_AS, (memory, memory))
-            said = _output(child, timeout)
+            said = _output(child, timeout, heard)
         except subprocess.TimeoutExpired as error:
             _end(child)
             hint = f"; {advice}" if advice else ""
@@ -101,7 +110,9 @@ def _dying_with_us() -> list[str]:
     return [setpriv, "--pdeathsig", "KILL"] if setpriv else []
 
 
-def _output(child: "subprocess.Popen[bytes]", timeout: float | None) -> bytes:
+def _output(
+    child: "subprocess.Popen[bytes]", timeout: float | None, heard: Callable[[str], object] | None = None
+) -> bytes:
     """All that it prints until it ends; :class:`subprocess.TimeoutExpired` if that takes longer than ``timeout``.
 
     A Ctrl-C just before Python blocks is noticed only when it wakes up: so it does now and then.
@@ -111,9 +122,11 @@ def _output(child: "subprocess.Popen[bytes]", timeout: float | None) -> bytes:
         left = end - time.monotonic()
         try:
             return child.communicate(timeout=max(0.0, min(_LONGEST_NAP, left)))[0]
-        except subprocess.TimeoutExpired:
+        except subprocess.TimeoutExpired as error:
             if left <= _LONGEST_NAP:
                 raise
+            if heard is not None:
+                heard((error.output or b"")[-_LAST:].decode(errors="replace"))
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:

@@ -6,9 +6,12 @@ never runs in ours. This file is both sides: the parent calls :func:`tetrahedral
 """
 
 import json
+import re
+import shutil
 import sys
 import tempfile
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -32,6 +35,7 @@ def tetrahedralize(
     num_opt_iter: int = 80,
     coarsen: bool = False,
     timeout: float | None = None,
+    heard: Callable[[str], object] | None = None,
 ) -> TetMesh:
     """Fill a surface with tetrahedra by fTetWild.
 
@@ -54,6 +58,8 @@ def tetrahedralize(
         Make tets as large as quality allows.
     timeout : float or None
         Seconds after which the mesher is stopped; None waits for ever.
+    heard : callable, optional
+        Told about every second where it stands, in a few words.
 
     Returns
     -------
@@ -102,7 +108,7 @@ def tetrahedralize(
             np.savez(given, points=surface.points[used], triangles=triangles.reshape(-1, 3))
         except OSError as error:
             raise NeighbourError(f"fTetWild cannot be given the surface: {given}: {error.strerror or error}") from error
-        _run([str(given), str(made), json.dumps(options)], folder, timeout)
+        _run([str(given), str(made), json.dumps(options)], folder, timeout, heard)
         if not made.exists():
             raise NeighbourError("fTetWild ended without a result")
         with np.load(made) as arrays:
@@ -110,12 +116,24 @@ def tetrahedralize(
     return _mesh(points, tets, surface)
 
 
-def _run(arguments: list[str], folder: str | Path, timeout: float | None) -> None:
+def _run(
+    arguments: list[str], folder: str | Path, timeout: float | None, heard: Callable[[str], object] | None = None
+) -> None:
     """Run the child in ``folder``: fTetWild leaves a file __tracked_surface.stl in its working directory."""
     # Without -P the working directory would be the first place to look for modules.
-    command = [sys.executable, "-P", "-m", "wct_plugin.adapters.ftetwild", *arguments]
+    lines = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []  # or what it says comes when it has ended
+    command = [*lines, sys.executable, "-P", "-m", "wct_plugin.adapters.ftetwild", *arguments]
     advice = "a larger epsilon or edge_length, fewer num_opt_iter or a repaired surface is faster"
-    child_process.run(command, folder, timeout, "fTetWild", advice=advice)
+    told = None if heard is None else lambda said: heard(_standing(said))
+    child_process.run(command, folder, timeout, "fTetWild", advice=advice, heard=told)
+
+
+def _standing(said: str) -> str:
+    """Where fTetWild stands by what it printed: its pass, and the energy that it ends below ``stop_energy``."""
+    passes = re.findall(r"/+ (?:pass (\d+)|(\w+)) /+", said)
+    energies = re.findall(r"max_energy = (\S+)\n", said)
+    words = [f"pass {int(passes[-1][0]) + 1}" if passes[-1][0] else passes[-1][1]] if passes else []
+    return ", ".join([*words, *(f"worst energy {float(one):.3g}" for one in energies[-1:])])
 
 
 def _mesh(points: Floats, tets: Ints, surface: SurfaceMesh) -> TetMesh:
@@ -137,7 +155,7 @@ def _child(given: str, made: str, options: str) -> None:
 
     with np.load(given) as arrays:
         points, triangles = arrays["points"], arrays["triangles"].astype(np.int32)
-    points, tets = pytetwild.tetrahedralize(points, triangles, quiet=True, **json.loads(options))
+    points, tets = pytetwild.tetrahedralize(points, triangles, quiet=False, **json.loads(options))
     np.savez(made, points=points, tets=tets.astype(np.int64))
 
 

@@ -9,6 +9,7 @@ import shutil
 import tempfile
 import time
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,6 +45,7 @@ def tetrahedralize(
     keep_boundary: bool = False,
     timeout: float | None = None,
     memory_limit: float | None = None,
+    heard: Callable[[str], object] | None = None,
 ) -> TetMesh:
     """Fill a surface with tetrahedra by TetGen.
 
@@ -72,6 +74,8 @@ def tetrahedralize(
         Seconds after which TetGen is stopped; None waits for ever.
     memory_limit : float or None
         Megabytes of address space that TetGen may take; None is no limit.
+    heard : callable, optional
+        Told about every second where it stands, in a few words.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def tetrahedralize(
     # -J no renumbering, -A a number per region
     switches = f"JAq{radius_edge:g}/{min_dihedral:g}a{float(volume)!r}{'Y' if keep_boundary else ''}"
     with tempfile.TemporaryDirectory(prefix="wct_") as name:
-        job = _Job(Path(name), timeout, None if memory_limit is None else int(memory_limit * _MEGABYTE))
+        job = _Job(Path(name), timeout, None if memory_limit is None else int(memory_limit * _MEGABYTE), heard)
         mesh = _fill(job, switches, surface, points, triangles, pieces)
     return _tidied(_without_cavities(mesh, points, triangles), surface, pieces)
 
@@ -111,8 +115,11 @@ def tetrahedralize(
 class _Job:
     """TetGen on ``surface.poly`` in a folder, several times within one timeout."""
 
-    def __init__(self, folder: Path, timeout: float | None, memory: int | None) -> None:
+    def __init__(
+        self, folder: Path, timeout: float | None, memory: int | None, heard: Callable[[str], object] | None = None
+    ) -> None:
         self.folder, self.memory = folder, memory
+        self._heard = None if heard is None else lambda said: heard(_standing(said))
         self._end = None if timeout is None else time.monotonic() + timeout
 
     def run(self, switches: str) -> str:
@@ -121,9 +128,17 @@ class _Job:
         advice = "a larger edge_length or radius_edge, a smaller min_dihedral or a repaired surface is faster"
         left = None if self._end is None else max(round(self._end - time.monotonic(), 2), 0.01)
         try:
-            return child_process.run(command, self.folder, left, "TetGen", memory=self.memory, advice=advice)
+            return child_process.run(
+                command, self.folder, left, "TetGen", memory=self.memory, advice=advice, heard=self._heard
+            )
         except child_process.ChildError as error:
             raise _explain(error, self.memory) from error
+
+
+def _standing(said: str) -> str:
+    """Where TetGen stands by what it printed: the last thing that it says it is at."""
+    steps = re.findall(r"^(\w[\w -]*?) ?\.\.\.$", said, re.M)
+    return steps[-1].lower() if steps else ""
 
 
 class _AbortError(NeighbourError):

@@ -52,6 +52,9 @@ class BatchResult:
     csv: Path
     html: Path
 
+    def __repr__(self) -> str:
+        return f"<BatchResult: {summary.headline(self.records)}>"
+
     @property
     def failed(self) -> list[Record]:
         """Those that have no output."""

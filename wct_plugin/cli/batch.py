@@ -16,6 +16,7 @@ from wct_plugin.cli import filter_options
 from wct_plugin.cli.messages import err, fail, out
 from wct_plugin.cli.output import table
 from wct_plugin.cli.run import complete_pipeline, read_pipeline
+from wct_plugin.cli.settings import set_option
 from wct_plugin.io.region_choice import Regions
 
 
@@ -43,9 +44,7 @@ class _Shard(click.ParamType[tuple[int, int]]):
 @click.option("--retry-failed", is_flag=True, help="The same, but try again what failed")
 @click.option("--shard", type=_Shard(), help="Only the i-th of n parts: every n-th input in the order of names")
 @click.option("--scheduler", metavar="ADDRESS", help="Let the workers of this dask scheduler do it: tcp://host:8786")
-@click.option(
-    "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
-)
+@set_option
 def batch(
     chain: str,
     inputs: Sequence[str],

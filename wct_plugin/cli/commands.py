@@ -1,4 +1,4 @@
-"""The commands of ``wct``, and what they have in common: an example in their help, ``--quiet``, completion of files."""
+"""The commands of ``wct``, and what they share: an example in their help, ``--quiet``, ``--verbose``, completion."""
 
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import click
 from click.shell_completion import CompletionItem
 
-from wct_plugin.cli.messages import be_quiet
+from wct_plugin.cli.messages import be_quiet, be_verbose
 
 
 class Listed(NamedTuple):
@@ -79,6 +79,22 @@ def quiet_option() -> click.Option:
     )
 
 
+def verbose_option() -> click.Option:
+    """``--verbose``, which every command has too."""
+    return click.Option(
+        ["-v", "--verbose"],
+        is_flag=True,
+        expose_value=False,
+        callback=_verbose,
+        help="Print what is done as it is done: stages, their phases and seconds, programs that are called",
+    )
+
+
+def _verbose(context: click.Context, _: click.Parameter, value: bool) -> None:
+    if value:
+        context.call_on_close(be_verbose())
+
+
 def _quiet(context: click.Context, _: click.Parameter, value: bool) -> None:
     if value:
         context.call_on_close(be_quiet())
@@ -86,7 +102,7 @@ def _quiet(context: click.Context, _: click.Parameter, value: bool) -> None:
 
 def with_comfort(command: click.Command, example: str) -> click.Command:
     """The command, with what all have in common."""
-    command.params.append(quiet_option())
+    command.params += [quiet_option(), verbose_option()]
     for param in command.params:
         if param.metavar in _FILES and type(param.type) is type(click.STRING):
             param.type = click.Path(allow_dash=True)
@@ -100,7 +116,7 @@ class Commands(click.Group):
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
-        self.params.append(quiet_option())
+        self.params += [quiet_option(), verbose_option()]
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of all commands."""

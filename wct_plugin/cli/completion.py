@@ -2,6 +2,38 @@
 
 import click
 
+#: As click's own, but that bash, which takes ``--set a.b=c`` for three words, gets one word of it, and no blank after
+#: what is to be typed on.
+_BASH = """\
+_wct_completion() {
+    local IFS=$'\\n' response completion type value k words=() prefix=""
+    for (( k = 0; k <= COMP_CWORD; k++ )); do
+        if (( k > 0 )) && [[ ${COMP_WORDS[k]} == "=" || ${COMP_WORDS[k-1]} == "=" ]]; then
+            words[-1]+=${COMP_WORDS[k]}
+        else
+            words+=("${COMP_WORDS[k]}")
+        fi
+    done
+    [[ ${words[-1]} == *=* && $COMP_WORDBREAKS == *=* ]] && prefix="${words[-1]%%=*}="
+    response=$(env COMP_WORDS="${words[*]}" COMP_CWORD=$(( ${#words[@]} - 1 )) _WCT_COMPLETE=bash_complete $1)
+    for completion in $response; do
+        IFS=',' read type value <<< "$completion"
+        if [[ $type == 'dir' ]]; then
+            COMPREPLY=()
+            compopt -o dirnames
+        elif [[ $type == 'file' ]]; then
+            COMPREPLY=()
+            compopt -o default
+        elif [[ $type == 'plain' ]]; then
+            COMPREPLY+=("${value#"$prefix"}")
+            [[ $value == *[.=] ]] && compopt -o nospace
+        fi
+    done
+    return 0
+}
+complete -o nosort -F _wct_completion wct
+"""
+
 
 @click.command()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
@@ -15,5 +47,5 @@ def completion(shell: str) -> int:
 
     found = get_completion_class(shell)
     assert found is not None
-    click.echo(found(click.Group(), {}, "wct", "_WCT_COMPLETE").source())
+    click.echo(_BASH if shell == "bash" else found(click.Group(), {}, "wct", "_WCT_COMPLETE").source())
     return 0

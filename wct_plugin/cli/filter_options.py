@@ -1,14 +1,16 @@
 """Command-line options made from filters' declarations."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, get_args
 
 import click
 from pydantic.fields import FieldInfo
 
+from wct_plugin.io.standard_streams import STREAM
 from wct_plugin.pipeline.readers_writers import MeshFileOptions, SourceOptions, TargetOptions
 from wct_plugin.pipeline.stage import find_filter
-from wct_plugin.pipeline.stage_page import choices, describe_default, describe_range
+from wct_plugin.pipeline.stage_page import choices, describe_default, describe_range, words
 
 #: What the flags for writing gmsh files begin with.
 MSH_PREFIX = "msh_"
@@ -86,12 +88,13 @@ def _msh_fields() -> dict[str, FieldInfo]:
 def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         for option, field in reversed(fields.items()):
-            words = "|".join(choices(field))
-            range_and_default = ["" if words else describe_range(field), f"default {describe_default(field)}"]
+            choice = "|".join(choices(field))
+            range_and_default = ["" if choice else describe_range(field), f"default {describe_default(field)}"]
             shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
-            metavar = f"[{words}]" if words else None
+            metavar = f"[{choice}]" if choice else None
             names = (flag(option, prefix), _parameter(option, prefix))
             kind: dict[str, Any] = {"type": _click_type(field), "metavar": metavar}
+            kind["shell_complete"] = _completing(field)
             if field.default is False:
                 kind, shown = {"is_flag": True, "default": None}, str(field.description)
             command = click.option(*names, **kind, help=shown)(command)
@@ -100,14 +103,19 @@ def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..
     return decorate
 
 
+def _completing(field: FieldInfo) -> Callable[[click.Context, click.Parameter, str], list[str]]:
+    allowed = words(field.annotation)
+    return lambda _context, _param, begun: [word for word in allowed if word.startswith(begun)]
+
+
 def given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
     """Those of the command's ``values`` that were given for the filters' options."""
     found = {option: values[_parameter(option, prefix)] for option in _fields(*names)}
     return {option: value for option, value in found.items() if value is not None}
 
 
-def not_stdout(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    """Refuse ``-`` for what is no text to be piped on."""
-    if value == "-":
+def page_name(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
+    """The name of an HTML page, which has a suffix; ``-`` is refused, as a page is no text to be piped on."""
+    if value == STREAM:
         raise click.BadParameter("is '-'; it must be the name of a file")
-    return value
+    return value if value is None or Path(value).suffix or Path(value).is_dir() else f"{value}.html"

@@ -15,6 +15,8 @@ from rich.text import Text
 
 from wct_plugin.errors import WctWarning
 
+_LOG = logging.getLogger("wct_plugin")
+
 GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
 
 
@@ -26,8 +28,14 @@ def _width(stream: Any) -> int | None:
     return None if stream.isatty() else 120
 
 
-out = Console(highlight=False, width=_width(sys.stdout))
-err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+def _console(*, stderr: bool = False) -> Console:
+    """With NO_COLOR without any style: rich itself would still print bold."""
+    plain = bool(os.environ.get("NO_COLOR"))
+    width = _width(sys.stderr if stderr else sys.stdout)
+    return Console(highlight=False, width=width, stderr=stderr, color_system=None if plain else "auto")
+
+
+out, err = _console(), _console(stderr=True)
 
 
 def be_quiet() -> Callable[[], None]:
@@ -62,21 +70,28 @@ class _Notes(logging.Handler):
     """Prints what the package has to say, each a line on stderr."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        err.print(Text("note: ", style="cyan") + Text(" ".join(record.getMessage().split())), soft_wrap=True)
+        kind = Text("note: ", style="cyan") if record.levelno > logging.DEBUG else Text("debug: ", style="dim")
+        err.print(kind + Text(" ".join(record.getMessage().split())), soft_wrap=True)
+
+
+def be_verbose() -> Callable[[], None]:
+    """Print too what is done as it is done, until what this gives is called."""
+    before = _LOG.level
+    _LOG.setLevel(logging.DEBUG)
+    return lambda: _LOG.setLevel(before)
 
 
 @contextmanager
 def showing_notes() -> Iterator[None]:
     """Print what this package logs at the level of INFO, such as where the regions come from."""
-    log, handler = logging.getLogger("wct_plugin"), _Notes(logging.INFO)
-    before = log.level
-    log.addHandler(handler)
-    log.setLevel(logging.INFO)
+    handler, before = _Notes(), _LOG.level
+    _LOG.addHandler(handler)
+    _LOG.setLevel(logging.INFO)
     try:
         yield
     finally:
-        log.removeHandler(handler)
-        log.setLevel(before)
+        _LOG.removeHandler(handler)
+        _LOG.setLevel(before)
 
 
 def show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:

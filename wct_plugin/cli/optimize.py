@@ -11,16 +11,18 @@ from rich.text import Text
 from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.in_and_out import in_and_out
 from wct_plugin.cli.messages import GOAL_MET, err, out
-from wct_plugin.cli.output import check_apart, print_before_after, write_text
+from wct_plugin.cli.output import check_apart, print_before_after, write_text, writes_over
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.io.standard_streams import STREAM
+from wct_plugin.measure.goals import DUAL
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import json_form
 from wct_plugin.pipeline.flow import side_by_side
+from wct_plugin.pipeline.fractions import told_as_lengths
 from wct_plugin.pipeline.graph import Step, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import (
@@ -61,7 +63,7 @@ _MESHER_PREFIX = "mesher_"
     "--html",
     "html_path",
     metavar="FILE",
-    callback=filter_options.not_stdout,
+    callback=filter_options.page_name,
     help="Write the reports before and after as one HTML page",
 )
 @click.option("--print-pipeline", is_flag=True, help="Print the pipeline that does the same under `wct run`, and end")
@@ -82,6 +84,8 @@ def optimize(
 ) -> int:
     """Improve the tets of IN and write OUT; a surface IN goes through fTetWild or TetGen first.
 
+    OUT may be IN with --force, which also makes a mesh anew that meets the goal already.
+
     - as IN is standard input, as OUT standard output: wct optimize - - --input-format vtu --output-format msh
 
     Exit code 0: every tet meets the goal, and all of the domain is kept. 1: the best mesh is written, and the last line
@@ -90,9 +94,13 @@ def optimize(
     formats_of_streams.leave_stdout(target, json_path)
     check_apart([source], json_path, html_path)
     limit = CommandLimit(seconds)
-    optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
+    over = writes_over(source, target, allowed=bool(values["force"]))
+    if over and (optimizer_name != OPTIMIZERS[0] or values["goal"] in DUAL):
+        values["force"] = None  # which is for the file alone there
     mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
-    mesher = find_filter(_MESHER)(**mesher_options)
+    with told_as_lengths(lambda: read(source, suffix=input_format, regions=regions, repair=repair)):
+        optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
+        mesher = find_filter(_MESHER)(**mesher_options)
     written = filter_options.given_msh(values) | ({} if output_format is None else {"format": output_format})
     written |= {"order": order} if order else {}
     writers = [WriteMesh(filename=target, **written), *_report_writers(json=json_path, html=html_path)]

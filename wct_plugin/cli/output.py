@@ -45,6 +45,14 @@ def check_apart(sources: Iterable[str], *outputs: str | None) -> None:
         taken.add(where)
 
 
+def writes_over(source: str, target: str, *, allowed: bool) -> bool:
+    """Whether the output takes the place of the input, which is refused unless it is ``allowed``."""
+    same = STREAM not in (source, target) and Path(source).resolve() == Path(target).resolve()
+    if same and not allowed:
+        raise click.UsageError(f"{target!r} is the input too; --force writes over it")
+    return same
+
+
 def check_outputs(*paths: str | None) -> None:
     """Find out before the work whether these can be written."""
     for path in paths:
@@ -63,6 +71,28 @@ def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, lef
     for row in rows:
         made.add_row(*(Text(cell) for cell in row))
     return made
+
+
+_MORE = "--full prints all: tiers, duals, places, histograms, the worst tets"
+
+
+def print_short(reports: Sequence[Report], *, worst: bool) -> None:
+    """What fits a screen; with the ``worst`` tets if they were asked for."""
+    for report in reports:
+        out.print(Text(report.headline(), style="bold"))
+    summaries = [one.rows_summary() for one in reports]
+    names = short_names(reports) if len(reports) > 1 else [""]
+    rows = [(one[0][0], *(value for _, value in one)) for one in zip(*summaries, strict=True)]
+    out.print(table("Summary", ("", *names), rows))
+    for name, report in zip(names, reports, strict=True):
+        for note in report.notes:
+            out.print(Text(": ".join(filter(None, (name, note)))))
+        if worst and report.worst:
+            out.print(table(f"Worst tets{name and f', {name}'}", report.worst_head(), report.rows_worst()))
+        elif report.worst:
+            out.print(Text(": ".join(filter(None, (name, report.worst_line())))))
+        _print_certificate(report, name and f", {name}")
+    out.print(Text(_MORE))
 
 
 def print_report(report: Report) -> None:

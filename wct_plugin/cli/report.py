@@ -10,7 +10,15 @@ from rich.text import Text
 
 from wct_plugin.cli import filter_options
 from wct_plugin.cli.messages import GOAL_MET, GOAL_MISSED, out
-from wct_plugin.cli.output import check_apart, check_outputs, print_report, print_side_by_side, table, write_text
+from wct_plugin.cli.output import (
+    check_apart,
+    check_outputs,
+    print_report,
+    print_short,
+    print_side_by_side,
+    table,
+    write_text,
+)
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
@@ -60,10 +68,11 @@ def _meets(mesh: TetMesh | SurfaceMesh, report: Report | PlanarReport, goal: str
     "--html",
     "html_path",
     metavar="FILE",
-    callback=filter_options.not_stdout,
+    callback=filter_options.page_name,
     help="Write one self-contained HTML page with pictures",
 )
-@click.option("--worst", type=click.IntRange(min=0), default=10, show_default=True, help="How many worst tets to list")
+@click.option("--full", is_flag=True, help="Print all of it: tiers, duals, places, histograms, the worst tets")
+@click.option("--worst", type=click.IntRange(min=0), help="How many worst tets to list  [default: 10]")
 @click.option(
     "--goal",
     type=click.Choice(["delaunay", "one-sided", "3wc", "cwc"]),
@@ -79,7 +88,8 @@ def report(
     sources: Sequence[str],
     json_path: str | None,
     html_path: str | None,
-    worst: int,
+    full: bool,
+    worst: int | None,
     goal: str | None,
     exact: bool,
     reference: str | None,
@@ -109,7 +119,10 @@ def report(
     meshes = [_read(source, input_format, regions, surface, repair=repair) for source in sources]
     _check_planar(meshes, html_path, goal)
     reports = [
-        make_report(mesh, worst, exact=exact) if isinstance(mesh, TetMesh) else planar.measure(mesh) for mesh in meshes
+        make_report(mesh, 10 if worst is None else worst, exact=exact)
+        if isinstance(mesh, TetMesh)
+        else planar.measure(mesh)
+        for mesh in meshes
     ]
     if html_path:
         title = ", ".join(PurePath(source).name for source in sources)
@@ -119,7 +132,7 @@ def report(
         found = [one.to_dict() for one in reports]
         write_text(json_path, json.dumps(found[0] if len(found) == 1 else found, indent=2))
     if json_path != "-":
-        _print(reports)
+        _print(reports, full=full, worst=worst is not None)
     met = [_meets(mesh, one, goal) for mesh, one in zip(meshes, reports, strict=True)]
     return GOAL_MET if all(met) else GOAL_MISSED
 
@@ -139,9 +152,11 @@ def _of_tets(reports: Sequence[Report | PlanarReport]) -> list[Report]:
     return [one for one in reports if isinstance(one, Report)]
 
 
-def _print(reports: Sequence[Report | PlanarReport]) -> None:
+def _print(reports: Sequence[Report | PlanarReport], *, full: bool, worst: bool) -> None:
     tets = _of_tets(reports)
-    if len(tets) == 1:
+    if tets and not full:
+        print_short(tets, worst=worst)
+    elif len(tets) == 1:
         print_report(*tets)
     elif tets:
         print_side_by_side(tets)

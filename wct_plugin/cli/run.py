@@ -10,13 +10,16 @@ from rich.text import Text
 
 from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.messages import GOAL_MET, err, out
-from wct_plugin.cli.output import check_apart, check_outputs, print_result, write_text
+from wct_plugin.cli.output import check_apart, check_outputs, print_result, write_text, writes_over
 from wct_plugin.cli.progress_bar import progress_bar
+from wct_plugin.cli.settings import set_option
 from wct_plugin.cli.time_limit import CommandLimit, time_limit_option
 from wct_plugin.errors import WctError
+from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.pipeline import presets
+from wct_plugin.pipeline.fractions import told_as_lengths
 from wct_plugin.pipeline.json_schema import schema
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import Writer
@@ -45,13 +48,12 @@ def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: s
 @click.command("run", epilog=_READY_MADE)
 @click.argument("chain", metavar="PIPELINE", required=False, shell_complete=complete_pipeline)
 @click.argument("paths", metavar="[IN [OUT...]]", nargs=-1)
-@click.option(
-    "--set", "settings", metavar="STAGE.OPTION=VALUE", multiple=True, help="Set an option; the stage by type or tag"
-)
+@set_option
 @filter_options.regions_option
 @formats_of_streams.input_format
 @formats_of_streams.output_format
 @time_limit_option
+@click.option("--force", is_flag=True, help="Write over IN where an OUT is the same file")
 @click.option("--validate", is_flag=True, help="Check the pipeline and end; inputs are read, no filter runs")
 @click.option(
     "--metadata", "metadata_path", metavar="FILE", help="Write options, metrics, seconds as JSON (- for stdout)"
@@ -65,6 +67,7 @@ def run_pipeline(
     input_format: str | None,
     output_format: str | None,
     seconds: float | None,
+    force: bool,
     validate: bool,
     metadata_path: str | None,
     print_schema: bool,
@@ -87,7 +90,10 @@ def run_pipeline(
         return GOAL_MET
     if chain is None:
         raise click.UsageError("Missing argument 'PIPELINE'.")
-    pipeline = read_pipeline(chain, settings)
+    for target in paths[1:]:
+        writes_over(paths[0], target, allowed=force)
+    with told_as_lengths(lambda: read(paths[0] if paths else "", suffix=input_format, regions=regions)):
+        pipeline = read_pipeline(chain, settings)
     if paths:
         pipeline = pipeline.between(
             paths[0], paths[1:], regions=regions, input_format=input_format, output_format=output_format

@@ -22,6 +22,7 @@ from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
 from wct_plugin.pipeline.pipeline import mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, find_filter
+from wct_plugin.progress import ProgressChoice
 from wct_plugin.reports.report import Report, make_report
 
 _OPTIMIZER = "meshing_well_centered"
@@ -35,7 +36,9 @@ def _without_field_data(dataset: pv.DataSet) -> pv.DataSet:
     return bare
 
 
-def _optimized(stages: list[FilterStage[Any]], dataset: pv.DataSet, regions: Regions = None) -> pv.UnstructuredGrid:
+def _optimized(
+    stages: list[FilterStage[Any]], dataset: pv.DataSet, progress: ProgressChoice, regions: Regions = None
+) -> pv.UnstructuredGrid:
     mesh, pairs = as_mesh(_without_field_data(dataset), regions=regions), None  # field data are put back below
     if regions is not None and isinstance(mesh, TetMesh) and mesh.tag_name in mesh.cell_data:
         # A region of its own for every pair of region and tag, so that the interfaces of both are kept.
@@ -43,7 +46,7 @@ def _optimized(stages: list[FilterStage[Any]], dataset: pv.DataSet, regions: Reg
         pairs, index = np.unique(both, axis=0, return_inverse=True)
         mesh = replace(mesh, regions=index.ravel())
     for stage in stages:
-        mesh, _ = stage(mesh)
+        mesh, _ = stage(mesh, progress)
     if pairs is not None and isinstance(mesh, TetMesh):
         mesh = replace(mesh, regions=pairs[mesh.regions, 0])
     grid = to_pyvista(mesh)
@@ -60,7 +63,9 @@ class GridAccessor:
     def __init__(self, grid: pv.UnstructuredGrid) -> None:
         self._grid = grid
 
-    def optimize(self, *, regions: Regions = None, **options: Any) -> pv.UnstructuredGrid:
+    def optimize(
+        self, *, regions: Regions = None, progress: ProgressChoice = None, **options: Any
+    ) -> pv.UnstructuredGrid:
         """Give a new grid whose tets contain their circumcenters, as far as can be; this one stays as it is.
 
         Arrays, regions and tagged triangles, lines and vertices are carried over; what cannot be is named in a warning.
@@ -70,10 +75,12 @@ class GridAccessor:
         regions : str or sequence of str, optional
             A cell array of region numbers, or sets of tets, whose interfaces are kept, as those of a conventional array
             such as ``gmsh:physical`` are in any case.
+        progress : bool or callable, optional
+            True: print where the work stands. A function is called with that; returning False stops the work.
         **options
             Those of ``filters.meshing_well_centered``: goal, boundary, tolerance, ...; ``reference`` may be a PolyData.
         """
-        return _optimized([find_filter(_OPTIMIZER)(**options)], self._grid, regions)
+        return _optimized([find_filter(_OPTIMIZER)(**options)], self._grid, progress, regions)
 
     def report(self, *, worst: int = 10) -> Report:
         """Measure: ranges of h/R and of angles, tiers, flags, histograms and the ``worst`` tets; ``to_dict()`` it."""
@@ -140,16 +147,18 @@ class SurfaceAccessor:
     def __init__(self, surface: pv.PolyData) -> None:
         self._surface = surface
 
-    def optimize(self, **options: Any) -> pv.UnstructuredGrid:
+    def optimize(self, *, progress: ProgressChoice = None, **options: Any) -> pv.UnstructuredGrid:
         """Fill the surface by fTetWild, then optimize against it, as ``wct optimize`` does with a surface.
 
         For another mesher, or other options of it: ``surface.tetgen.tetrahedralize().wct.optimize(reference=surface)``.
 
         Parameters
         ----------
+        progress : bool or callable, optional
+            As of a grid's.
         **options
             Those of ``filters.meshing_well_centered``.
         """
         optimizer = find_filter(_OPTIMIZER)(**options)
         mesher = mesher_within_tolerance(find_filter("generate_tetrahedralization")(), optimizer)
-        return _optimized([mesher, optimizer], self._surface)
+        return _optimized([mesher, optimizer], self._surface, progress)

@@ -118,6 +118,8 @@ def meant(path: Path, suffix: str | None) -> Path:
 
 def to_read(path: Path, suffix: str | None = None) -> Format:
     """The format of a file to read, by its suffix or the one given; :class:`InputError` lists the known suffixes."""
+    if path.is_dir():
+        raise InputError(f"{path}: is a directory; the name of a mesh file is needed")
     return _find(path, suffix, InputError, _BY_SUFFIX)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from wct_plugin.errors import NoMeshError
 from wct_plugin.exact import predicates
 from wct_plugin.mesh import faults
+from wct_plugin.mesh.in_words import in_words
 from wct_plugin.mesh.pickled import Pickled
 from wct_plugin.mesh.topology import Topology
 from wct_plugin.types import Floats, Ints
@@ -25,6 +26,7 @@ if TYPE_CHECKING:  # they are made of what is defined here
     from wct_plugin.mesh.second_order import SecondOrder
 
 _KIND = {1: "vertex", 2: "edge", 3: "triangle", 4: "tet"}
+_KIND_S = {1: "vertices", 2: "edges", 3: "triangles"}
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,10 @@ class Cells(Pickled):
     def __len__(self) -> int:
         return len(self.vertices)
 
+    def __repr__(self) -> str:
+        counts = {_KIND_S.get(self.vertices.shape[1], "cells"): len(self)}
+        return in_words(self, "", counts, {"data": self.data, "sets": self.sets})
+
     def select(self, keep: NDArray[Any], vertices: Ints | None = None) -> "Cells":
         """The cells where the mask ``keep`` (k,) holds, their points renumbered to ``vertices`` if given."""
         place = np.cumsum(keep) - 1
@@ -132,6 +138,10 @@ class SurfaceMesh(Pickled):
         store(self, "tags", _tags(self.tags, len(triangles), "triangle"))
         store_mapping(self, "point_data", checked_data(self.point_data, len(points), "point"))
         store_mapping(self, "cell_data", checked_data(self.cell_data, len(triangles), "triangle"))
+
+    def __repr__(self) -> str:
+        counts = {"points": len(self.points), "triangles": len(self.triangles)}
+        return in_words(self, self.source, counts, {"point data": self.point_data, "triangle data": self.cell_data})
 
     @property
     def diagonal(self) -> float:
@@ -235,6 +245,13 @@ class TetMesh(Pickled):
         if self.others:
             _set(self, "others", self.others.renumbered(np.where(used, place, -1)))
         return stray
+
+    def __repr__(self) -> str:
+        counts = {"points": len(self.points), "tets": len(self.tets), "regions": len(np.unique(self.regions))}
+        counts |= {f"tagged {what}": len(getattr(self, what)) for what in ("facets", "edges", "nodes")}
+        counts["other cells"] = sum(map(len, self.others.cells.values())) if self.others else 0
+        names = {"names": self.names, "tet sets": self.tet_sets, "point sets": self.point_sets}
+        return in_words(self, self.source, counts, {**names, "point data": self.point_data, "tet data": self.cell_data})
 
     @cached_property
     def topology(self) -> Topology:

@@ -56,6 +56,10 @@ class OtherCells(Pickled):
         store_mapping(self, "point_data", checked_data(self.point_data, len(points), "point"))
         store_mapping(self, "point_sets", checked_sets(self.point_sets, len(points), "point"))
 
+    def __repr__(self) -> str:
+        counts = {"points": len(self.points)} | {kind: len(cells) for kind, cells in self.cells.items()}
+        return f"<OtherCells: {', '.join(f'{count} {what}' for what, count in counts.items())}>"
+
     @property
     def volumes(self) -> dict[str, int]:
         """How many cells there are of each kind that has a volume."""

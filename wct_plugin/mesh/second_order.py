@@ -8,6 +8,7 @@ import numpy as np
 
 from wct_plugin.core import _core
 from wct_plugin.mesh import unit_scaling
+from wct_plugin.mesh.in_words import in_words
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.mesh import SurfaceMesh, TetMesh, store
 from wct_plugin.mesh.pickled import Pickled
@@ -46,6 +47,9 @@ class SecondOrder(Pickled):
     def __post_init__(self) -> None:
         for name in ("ends", "middles", "facets", "creases", "folded"):
             store(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+
+    def __repr__(self) -> str:
+        return in_words(self, "", {"curved edges": len(self.middles), "curved facets": len(self.facets)}, {})
 
     @property
     def curved(self) -> bool:

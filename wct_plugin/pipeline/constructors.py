@@ -31,6 +31,9 @@ class Filters:
     def __dir__(self) -> list[str]:
         return filter_names()
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {', '.join(dir(self))}>"
+
     def __getattr__(self, name: str) -> Callable[..., Pipeline]:
         if name not in dir(self):
             raise AttributeError(f"there is no {self._family}.{name}{did_you_mean(name, dir(self))}")

@@ -32,6 +32,9 @@ class Flow:
     history: tuple[Passed, ...] = ()  #: the stages it came through, the first first
     _reports: dict[tuple[int, int], Report] = field(default_factory=dict, repr=False)
 
+    def __repr__(self) -> str:
+        return f"<Flow {' -> '.join(one.stage.type() for one in self.history)}: {size(self.mesh)}>"
+
     @classmethod
     def of(cls, stage: Stage[Options], mesh: Mesh, seconds: float) -> "Flow":
         """The flow behind the reader ``stage``."""

@@ -8,14 +8,16 @@ from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.mesh import TetMesh
 from wct_plugin.objects import conversions
+from wct_plugin.pipeline.fractions import told_as_lengths
 from wct_plugin.pipeline.graph import Step, find_stage, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import ReadMesh, writer_type
 from wct_plugin.pipeline.stage import check_kind, find_filter
-from wct_plugin.progress import ProgressCallback
+from wct_plugin.progress import ProgressChoice
 from wct_plugin.reports.report import Report, make_report
 
-_OPTIMIZER = "meshing_well_centered"
+#: The filter that :func:`optimize` runs.
+OPTIMIZER = "meshing_well_centered"
 _MESHER = "generate_tetrahedralization"
 
 
@@ -25,7 +27,7 @@ def optimize(
     *,
     to: str | None = None,
     regions: Regions = None,
-    progress: ProgressCallback | None = None,
+    progress: ProgressChoice = None,
     **options: Any,
 ) -> Any:
     """Make the tets of a mesh contain their circumcenters, and give back what came in; ``source`` stays as it is.
@@ -46,8 +48,8 @@ def optimize(
         where what came in cannot hold tets, as a ``trimesh.Trimesh``. For gmsh it is the name of a new model.
     regions : str or sequence of str, optional
         What the regions are, as of :func:`wct_plugin.read`.
-    progress : callable, optional
-        Told where the work stands; returning False stops it.
+    progress : bool or callable, optional
+        True: print where the work stands. A function is called with that; returning False stops the work.
     **options
         Those of ``filters.meshing_well_centered``.
 
@@ -65,7 +67,8 @@ def optimize(
     """
     if to is not None and to not in conversions.TARGETS:
         raise OptionError(f"to is {to!r}; allowed are {', '.join(conversions.TARGETS)}")
-    optimizer = find_filter(_OPTIMIZER)(**options)
+    with told_as_lengths(lambda: conversions.as_mesh(source, regions=regions)):
+        optimizer = find_filter(OPTIMIZER)(**options)
     mesh = conversions.as_mesh(source, regions=regions)
     mesher = [] if isinstance(mesh, TetMesh) else [find_filter(_MESHER)()]
     steps = [ReadMesh(filename=mesh), *mesher, optimizer]

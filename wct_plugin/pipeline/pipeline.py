@@ -6,6 +6,7 @@
 >>> result.mesh, result.metrics["meshing_well_centered"]["deviation"]  # doctest: +SKIP
 """
 
+import logging
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -17,13 +18,16 @@ from wct_plugin.errors import InternalError, OptionError, WctError
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.objects.conversions import called
 from wct_plugin.pipeline import json_form
-from wct_plugin.pipeline.flow import Flow
+from wct_plugin.pipeline.flow import Flow, size
 from wct_plugin.pipeline.graph import Step, find_stage, label, order, unnamed, upstream, wire
 from wct_plugin.pipeline.readers_writers import Reader, ReadMesh, WriteMesh, Writer, mesh_reader, writer_type
 from wct_plugin.pipeline.result import Result, StageResult, goal_of
 from wct_plugin.pipeline.stage import FilterStage, Kind, Options, Stage
-from wct_plugin.progress import ProgressCallback
+from wct_plugin.progress import Progress, ProgressCallback, ProgressChoice
 from wct_plugin.types import Metrics
+from wct_plugin.waiting.printed import told
+
+_log = logging.getLogger(__name__)
 
 
 class Pipeline:
@@ -102,52 +106,82 @@ class Pipeline:
                 stage.prepare([one for one in stages if type(one) is type(stage)])
                 stage.validate()
         if read and not self.is_open:
-            _read(self.steps, wires, [0.0] * len(self.steps))
+            _read(self.steps, wires, [0.0] * len(self.steps), lambda _: True)
 
-    def apply(self, mesh: Any, progress: ProgressCallback | None = None) -> Result:
+    def apply(self, mesh: Any, progress: ProgressChoice = None) -> Result:
         """Run a pipeline that has no reader on ``mesh``, of ours or of another library."""
         return self.between(mesh).execute(progress)
 
-    def execute(self, progress: ProgressCallback | None = None) -> Result:
+    def execute(self, progress: ProgressChoice = None) -> Result:
         """Check the pipeline, read every input, run the filters, and then, if none of them failed, write every output.
 
-        Each file is written whole or not at all.
+        Each file is written whole or not at all. ``progress=True`` prints where the work stands; a function is called
+        with it, and stops the filter that is at work, which keeps its best, by giving False.
         """
         self.check()
         wires = wire(self.steps)
         stages = within_tolerance(self.steps, wires)
         steps = [replace(step, stage=stage) for step, stage in zip(self.steps, stages, strict=True)]
-        seconds = [0.0] * len(steps)
-        metrics = [Metrics() for _ in steps]
-        flows = _read(steps, wires, seconds)
-        for index in order(steps, wires):
-            stage = stages[index]
-            if isinstance(stage, FilterStage):
-                before = flows[wires[index][0]] if wires[index] else None
-                with _timed(seconds, index), _named(steps, index):
-                    mesh, metrics[index] = stage(before.mesh if before else None, progress)
-                flows[index] = (before or Flow(mesh)).through(stage, mesh, metrics[index], seconds[index])
-            elif isinstance(stage, Writer):
-                flows[index] = stage.pass_on(flows[wires[index][-1]])
-        for index, stage in enumerate(stages):
-            if isinstance(stage, Writer):
-                with _timed(seconds, index):
-                    stage.write({steps[k].tag or stages[k].type(): flows[k] for k in wires[index]})
-        done = tuple(
-            StageResult(step.stage, step.tag, flows[index], metrics[index], seconds[index])
-            for index, step in enumerate(steps)
-        )
-        aims = [index for index, stage in enumerate(stages) if goal_of(stage)]
-        passed = {before for index in aims for before in upstream(wires, index)}
-        goals = (done[index].goal() for index in aims if index not in passed)
-        return Result(done, tuple(goal for goal in goals if goal))
+        with told(progress) as callback:
+            return _executed(steps, wires, callback)
 
 
-def _read(steps: Sequence[Step], wires: Sequence[Sequence[int]], seconds: list[float]) -> dict[int, Flow]:
+def _executed(steps: Sequence[Step], wires: Sequence[Sequence[int]], progress: ProgressCallback) -> Result:
+    """Read, run and write."""
+    seconds = [0.0] * len(steps)
+    metrics = [Metrics() for _ in steps]
+    flows = _read(steps, wires, seconds, progress)
+    for index in order(steps, wires):
+        stage = steps[index].stage
+        if isinstance(stage, FilterStage):
+            before = flows[wires[index][0]] if wires[index] else None
+            with _timed(seconds, index), _named(steps, index):
+                mesh, metrics[index] = stage(before.mesh if before else None, _placed(progress, steps, index))
+            flows[index] = (before or Flow(mesh)).through(stage, mesh, metrics[index], seconds[index])
+            _log.debug("%s: %.1f s, %s", label(steps, index), seconds[index], size(mesh))
+        elif isinstance(stage, Writer):
+            flows[index] = stage.pass_on(flows[wires[index][-1]])
+    for index, step in enumerate(steps):
+        if isinstance(step.stage, Writer):
+            _placed(progress, steps, index)(Progress(f"writing {step.stage.filename}", 0.0))
+            with _timed(seconds, index):
+                step.stage.write({steps[k].tag or steps[k].stage.type(): flows[k] for k in wires[index]})
+            _log.debug("%s: %.1f s, %s", label(steps, index), seconds[index], step.stage.filename)
+    done = tuple(
+        StageResult(step.stage, step.tag, flows[index], metrics[index], seconds[index])
+        for index, step in enumerate(steps)
+    )
+    aims = [index for index, step in enumerate(steps) if goal_of(step.stage)]
+    passed = {before for index in aims for before in upstream(wires, index)}
+    goals = (done[index].goal() for index in aims if index not in passed)
+    return Result(done, tuple(goal for goal in goals if goal))
+
+
+def _placed(progress: ProgressCallback, steps: Sequence[Step], index: int) -> ProgressCallback:
+    """The callback, told too which stage of how many is at work; its phases are logged."""
+    said = ""
+
+    def hear(state: Progress) -> bool | None:
+        nonlocal said
+        if state.stage != said:
+            said = state.stage
+            _log.debug("%s: %s", label(steps, index), said)
+        return progress(replace(state, number=index + 1, count=len(steps)))
+
+    return hear
+
+
+def _read(
+    steps: Sequence[Step], wires: Sequence[Sequence[int]], seconds: list[float], progress: ProgressCallback
+) -> dict[int, Flow]:
     """What the readers give, found to be of the kinds that the other stages take."""
     flows: dict[int, Flow] = {}
     for index, step in enumerate(steps):
         if isinstance(step.stage, Reader):
+            source = getattr(step.stage.options, "filename", None)
+            _placed(progress, steps, index)(
+                Progress(f"reading {source}" if isinstance(source, str) else "reading", 0.0)
+            )
             with _timed(seconds, index):
                 mesh = step.stage.read()
             flows[index] = Flow.of(step.stage, mesh, seconds[index])

@@ -30,5 +30,7 @@ def read(name: str | Path) -> bytes:
         known = names()
         hint = did_you_mean(str(name), known)
         raise InputError(f"{name}: no such file{hint} (ready-made pipelines: {', '.join(known)})") from error
+    except IsADirectoryError as error:
+        raise InputError(f"{name}: is a directory; the name of a pipeline's file is needed") from error
     except OSError as error:
         raise InputError(f"{name}: cannot be read: {error.strerror or error}") from error

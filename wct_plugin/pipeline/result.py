@@ -73,6 +73,10 @@ class StageResult:
     metrics: Metrics
     seconds: float
 
+    def __repr__(self) -> str:
+        tag = f" {self.tag!r}" if self.tag else ""
+        return f"<StageResult {self.stage.type()}{tag}: {self.size()}, {self.seconds:.1f} s>"
+
     def options(self) -> dict[str, Any]:
         """Every option that counts, as the declaration itself dumps them, ready for JSON."""
         return options_of(self.stage)
@@ -110,6 +114,10 @@ class Result:
 
     stages: tuple[StageResult, ...]  #: in the pipeline's order
     goals: tuple[Goal, ...]  #: of the last filter with a goal on each branch
+
+    def __repr__(self) -> str:
+        goals = "".join(f"; {goal}" for goal in self.goals)
+        return f"<Result {' | '.join(one.stage.type() for one in self.stages)}: {self.stages[-1].size()}{goals}>"
 
     def __getitem__(self, tag: str) -> StageResult:
         tags = {stage.tag: stage for stage in self.stages if stage.tag}

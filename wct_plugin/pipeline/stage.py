@@ -14,12 +14,13 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wct_plugin.errors import OptionError, WctError
+from wct_plugin.errors import FractionError, OptionError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.faults import told_apart
-from wct_plugin.progress import Progress, ProgressCallback
+from wct_plugin.progress import ProgressCallback, ProgressChoice
 from wct_plugin.types import Metrics
+from wct_plugin.waiting.printed import told
 
 Mesh = TetMesh | SurfaceMesh
 Kind = type[TetMesh] | type[SurfaceMesh]
@@ -35,6 +36,11 @@ class Options(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+
+#: How the description of an option says that it is no length.
+_FRACTION = "as a fraction of the"
+#: Pydantic's names of faults of a number out of range.
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 O_co = TypeVar("O_co", bound=Options, covariant=True)
 
@@ -54,6 +60,11 @@ class Stage(ABC, Generic[O_co]):
 
     def __init__(self, **options: Any) -> None:
         self.options: O_co = parse_options(self.declaration, options, self.type())  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        given = ((name, getattr(self.options, name)) for name in self.options.model_fields_set)
+        shown = "".join(f" {name}={reprlib.repr(value)}" for name, value in sorted(given, key=lambda one: one[0]))
+        return f"<{self.type()}{shown}>"
 
     def validate(self) -> None:
         """Check what needs more than the declaration: files, neighbours' names. Called before a pipeline runs anything.
@@ -99,16 +110,18 @@ class FilterStage(Stage[O_co]):
         False  #: whether its metrics are what :func:`~wct_plugin.reports.report.make_report` can reuse
     )
 
-    def __call__(self, mesh: Any = None, progress: ProgressCallback | None = None) -> tuple[Mesh, Metrics]:
+    def __call__(self, mesh: Any = None, progress: ProgressChoice = None) -> tuple[Mesh, Metrics]:
         """Check that ``mesh`` is of the kind the filter takes and what it needs is there, then run.
 
-        ``mesh`` may be anything that :func:`wct_plugin.objects.conversions.as_mesh` takes. Raises
+        ``mesh`` may be anything that :func:`wct_plugin.objects.conversions.as_mesh` takes; ``progress`` is called with
+        where the work stands, and prints that where it is True. Raises
         :class:`wct_plugin.errors.InternalError` where the filter itself is at fault.
         """
         mesh = None if mesh is None else as_mesh(mesh)
         self.check_takes(None if mesh is None else type(mesh))
         self.validate()
-        return told_apart(self.run, mesh, progress or _silent)
+        with told(progress) as callback:
+            return told_apart(self.run, mesh, callback)
 
     @abstractmethod
     def run(self, mesh: Any, progress: ProgressCallback) -> tuple[Mesh, Metrics]:
@@ -143,10 +156,6 @@ def check_kind(owner: str, needed: Kind, kind: Kind) -> None:
     raise OptionError(f"{owner} needs {KINDS[needed]}, here is {KINDS[kind]}{hint}")
 
 
-def _silent(_: Progress) -> bool:
-    return True
-
-
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Name the nearest of the ``known`` names, if one is near, as the rest of an error's message."""
     near = difflib.get_close_matches(name, list(known), 1)
@@ -169,7 +178,12 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
         raise OptionError(f"{owner}: {message}")
     given = fault["input"]
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
-    raise OptionError(f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}")
+    said = f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}"
+    field = model.model_fields.get(option)
+    if field and fault["type"] in _BOUNDS and _FRACTION in (field.description or ""):
+        most = next((float(mark.le) for mark in field.metadata if hasattr(mark, "le")), None)
+        raise FractionError(f"{said}: it is a fraction of the bounding box's diagonal", float(given), most)
+    raise OptionError(said)
 
 
 def unknown_option(model: type[Options], option: str, owner: str) -> OptionError:
@@ -193,6 +207,11 @@ def _entries() -> dict[str, EntryPoint]:
 def filter_names() -> list[str]:
     """Names of every registered filter, ours and those of other packages, sorted."""
     return list(_entries())
+
+
+def filter_places() -> dict[str, str]:
+    """Where each registered filter is, as ``module:class``, by its name."""
+    return {name: entry.value for name, entry in _entries().items()}
 
 
 def find_filter(name: str) -> type[FilterStage[Options]]:
@@ -222,11 +241,12 @@ def find_filter(name: str) -> type[FilterStage[Options]]:
 
 
 def apply_filter(
-    name: str, mesh: Any = None, /, *, progress: ProgressCallback | None = None, **options: Any
+    name: str, mesh: Any = None, /, *, progress: ProgressChoice = None, **options: Any
 ) -> tuple[Mesh, Metrics]:
     """Run one filter on ``mesh`` and give the new mesh and the filter's metrics; ``mesh`` stays as it is.
 
     ``mesh`` may be one of other libraries too, see :func:`wct_plugin.objects.conversions.as_mesh`; the new one is ours.
+    ``progress=True`` prints where the work stands; a function is called with it, and stops the work by giving False.
 
     >>> mesh, metrics = apply_filter("apply_coord_well_centering", mesh, boundary="slide")  # doctest: +SKIP
     >>> mesh, metrics = apply_filter("create_cube", variant="84")  # filters that make a mesh take none

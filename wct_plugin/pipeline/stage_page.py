@@ -25,6 +25,17 @@ def choices(field: FieldInfo) -> list[str]:
     return [choice for choice in get_args(field.annotation) if isinstance(choice, str)]
 
 
+def words(annotation: Any) -> list[str]:
+    """What may be typed for an option declared with ``annotation`` as far as that is a choice, for completion."""
+    if annotation is bool:
+        return ["true", "false"]
+    if get_origin(annotation) is Literal:
+        return [str(choice) for choice in get_args(annotation)]
+    if get_origin(annotation) in (Union, types.UnionType, Annotated):
+        return [word for part in get_args(annotation) for word in words(part)]
+    return []
+
+
 def describe_default(field: FieldInfo) -> str:
     """Give an option's default as the help prints it."""
     if field.is_required():
@@ -85,16 +96,17 @@ def example_lines(stage: type[FilterStage[Options]]) -> list[str]:
     return [f"pipeline.json: {json.dumps(example(stage))}", f"Python: {example_in_python(stage)}"]
 
 
-def docstring(stage: type[Stage[Options]]) -> str:
-    """The docstring of the stage's constructor in NumPy's form."""
-    lines = [about(stage), "", "Parameters", "----------"]
+def docstring(stage: type[Stage[Options]], *, ends: bool = True) -> str:
+    """The docstring of the stage's constructor in NumPy's form; ``ends``: with what says how stages hang together."""
+    lines = [about(stage), *(["", "Parameters", "----------"] if ends or stage.declaration.model_fields else [])]
     for name, field in stage.declaration.model_fields.items():
         kind = " | ".join(choices(field)) or _called(field.annotation)
         bounds = "" if choices(field) else describe_range(field)
         default = "" if field.is_required() else f"default {describe_default(field)}"
         lines += [f"{name} : {', '.join(filter(None, (kind, bounds, default)))}", f"    {field.description}."]
-    lines += ["tag : str", "    Name of the stage, for the inputs of others."]
-    if not stage.starts():
+    if ends:
+        lines += ["tag : str", "    Name of the stage, for the inputs of others."]
+    if ends and not stage.starts():
         lines += ["inputs : str or list of str"]
         lines += ["    Tag of the stage whose mesh it takes (default: the stage before)."]
     return "\n".join(lines)

@@ -98,6 +98,9 @@ class Report:
     other_cells: Mapping[str, int] = field(default_factory=dict)  #: those with a volume beside the tets, by kind
     notes: tuple[str, ...] = ()  #: lines about flat tets and about regions, where there is something to say
 
+    def __repr__(self) -> str:
+        return f"<Report {self.headline()}>"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings, lists and dicts in full precision; None where a value is not finite."""
         out: dict[str, Any] = {
@@ -166,6 +169,13 @@ class Report:
     def rows_places(self) -> list[tuple[str, str, str, str]]:
         """Place, tets there, those not 3WC, those not CWC."""
         return [(name, str(tets), str(no3), str(no)) for name, (tets, no3, no) in self.bad_by_place.items()]
+
+    def worst_line(self) -> str:
+        """The worst tet in one line."""
+        tet = self.worst[0]
+        place = ", ".join(f"{x:.4g}" for x in tet.centroid)
+        angle = _show("face_angle", tet.max_face_angle)
+        return f"worst: tet {tet.tet} ({tet.place}) near ({place}), min h/R {tet.min_height:.3f}, face angle {angle}"
 
     def worst_head(self) -> tuple[str, ...]:
         """Column names of :meth:`rows_worst`."""

@@ -1,0 +1,5 @@
+"""``python -m wct_plugin``: the command ``wct``."""
+
+from wct_plugin.cli.main import main
+
+main()
