@@ -116,6 +116,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         complex_.add_crease(sorted(a, v), curve);
         complex_.add_crease(sorted(v, b), curve);
     }
+    WCT_CHECK(complex_.checks.did("split");)
     touch(v);
     touch(a);
     touch(b);
