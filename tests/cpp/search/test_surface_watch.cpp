@@ -140,7 +140,7 @@ TEST_CASE("SurfaceWatch: near facets beyond the tolerance, none gets through the
     Bench bench(slit_cake(), 0.1);
     REQUIRE(fault(bench.complex) == "");
     bench.watch.loose = 100.0; // what a kick may leave on the way
-    const int v = 2; // on the rim below, at 10 degrees; across the slit is 22, at 350
+    const int v = 2;           // on the rim below, at 10 degrees; across the slit is 22, at 350
     const double turn = -20.0 * std::numbers::pi / 180.0;
     const Vec3 through{std::cos(turn), std::sin(turn), 0.0}, before{1.0, 0.0, 0.0};
     bench.watch.gather(v);
