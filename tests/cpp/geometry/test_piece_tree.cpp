@@ -44,7 +44,8 @@ template <std::size_t n> void check_closest(const std::vector<std::array<Vec3, n
     REQUIRE(tree.pieces().size() == pieces.size());
     Random random(7);
     for (int k = 0; k < 400; ++k) {
-        const Vec3 p = (k % 2 ? 0.3 : 1.0) * random.normal3() + pieces[random.below(static_cast<int>(n))][0];
+        const Vec3 p =
+            (k % 2 ? 0.3 : 1.0) * random.normal3() + pieces[random.below(static_cast<int>(pieces.size()))][0];
         const double distance = distance_to(pieces, p);
         const auto guess = random.below(static_cast<int>(pieces.size()));
         const auto found = tree.closest(p, guess);
