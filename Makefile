@@ -7,12 +7,13 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 CORE := $(wildcard cpp/*/*.h cpp/*/*.cpp)
+CORE_TESTS := $(wildcard tests/cpp/*/*.h tests/cpp/*/*.cpp)
 
-# Headers and venv for Debian's own Python; for the tests, TetGen, CalculiX, a browser, and the X and GL libraries that the wheels of
-# gmsh and pymeshlab load.
+# Headers and venv for Debian's own Python; for the tests, doctest for those of the core, TetGen, CalculiX, a browser, and the X and
+# GL libraries that the wheels of gmsh and pymeshlab load.
 DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exists(sysconfig.get_path("include")+"/Python.h") else "python3-dev")') \
              $(shell $(PYTHON) -c 'import ensurepip' 2>/dev/null || echo python3-venv)
-DEB_TEST := tetgen calculix-ccx chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
+DEB_TEST := doctest-dev tetgen calculix-ccx chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 .PHONY: demo test bench lint docs clean
@@ -30,12 +31,12 @@ test: $(VENV)/.test
 lint: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/clang-format --dry-run --Werror $(CORE)
+	$(BIN)/clang-format --dry-run --Werror $(CORE) $(CORE_TESTS)
 	rm -rf build/lint && mkdir -p build/lint && cp -r wct_plugin build/lint && cp -r filters build/lint/wct_plugin
 	cd build/lint && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p wct_plugin
 	cd build/lint && PYTHONPATH=$$($(abspath $(BIN))/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') \
 		$(abspath $(BIN))/python -S -c 'from importlinter.cli import lint_imports_command; lint_imports_command()' ../../pyproject.toml
-	$(BIN)/python -m pytest -q tests/cpp
+	$(BIN)/python -m pytest -q tests/cpp/test_layers.py
 
 docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md

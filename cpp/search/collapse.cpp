@@ -138,6 +138,7 @@ bool Operators::collapse(int a, int b, double slack) {
         complex_.remove_crease(sorted(a, (*joined)[0] == b ? (*joined)[1] : (*joined)[0]));
         complex_.add_crease(*joined, curve);
     }
+    WCT_CHECK(complex_.checks.did("collapse");)
     touch(b);
     touch_candidates();
     return true;

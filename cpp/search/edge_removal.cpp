@@ -185,6 +185,7 @@ bool Operators::cut_ear(int a, int b, double slack) {
     complex_.remove_tet(t);
     for (int u : behind)
         complex_.set_energy(u, energy_.of_present(complex_, complex_.tet(u)));
+    WCT_CHECK(complex_.checks.did("cut_ear");)
     for (int v : {a, b, r, s})
         touch(v);
     return true;
@@ -268,6 +269,7 @@ bool Operators::remove_edge(int a, int b, double slack) {
     }
     for (const Fan &fan : fans)
         carry_out(fan, a, b); // measures the energies with the new facets in place
+    WCT_CHECK(complex_.checks.did("remove_edge");)
     touch(a);
     touch(b);
     return true;
@@ -295,6 +297,7 @@ bool Operators::flip_23(int t, int i, double slack) {
     complex_.remove_tet(s);
     for (int k = 0; k < 3; ++k)
         complex_.add_tet(three[k], region, energies[k]);
+    WCT_CHECK(complex_.checks.did("flip_23");)
     for (int v : {a, b, x, y, z})
         touch(v);
     return true;

@@ -122,6 +122,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
         complex_.add_crease(sorted(a, v), curve);
         complex_.add_crease(sorted(v, b), curve);
     }
+    WCT_CHECK(complex_.checks.did("split");)
     for (int w : {v, a, b})
         touch(w);
     for (int w : ring_.link)

@@ -205,6 +205,7 @@ bool GroupDescent::settle(const energy::Field &at) {
     }
     for (std::size_t k = 0; k < tets_.size(); ++k)
         complex_.set_energy(tets_[k], energies_[k]);
+    WCT_CHECK(complex_.checks.did("move_group");)
     complex_.commit();
     return true;
 }

@@ -170,6 +170,7 @@ std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
     if (!cone_cavity(v, {}, slack) || !cone_is_closed(v, {}))
         return std::nullopt;
     fill_cavity();
+    WCT_CHECK(complex_.checks.did("insert");)
     return v;
 }
 
@@ -255,6 +256,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     if (watch_.replace())
         energy_.of(complex_, candidates_, energies_.data());
     fill_cavity();
+    WCT_CHECK(complex_.checks.did("insert_on_surface");)
     return v;
 }
 

@@ -56,6 +56,7 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
     operators_.most = options.most;
     operators_.fixed = options.fixed;
     operators_.fixed_curves = options.fixed_curves;
+    WCT_CHECK(complex_.checks.start(complex_);)
 }
 
 void Search::adopt(const SearchForm &form) {
@@ -203,6 +204,7 @@ SearchOutcome Search::run(const SearchProgress &progress) {
     outcome_.bad = static_cast<int>(outcome_.stuck.size());
     std::erase_if(outcome_.stuck, [&](int t) { return complex_.ruled_out(t); });
     outcome_.evaluations = energy_.evaluations();
+    WCT_CHECK(complex_.checks.end(complex_, guide_);)
     return outcome_;
 }
 

@@ -116,7 +116,8 @@ bool SurfaceWatch::allows_replacing() {
         return false;
     if (!landmarks_covered())
         return false;
-    return std::none_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; }) && bends_allow();
+    return std::none_of(new_.begin(), new_.end(), [&](const Piece &p) { return p.over > allowed; }) && bends_allow() &&
+           crossings_allow();
 }
 
 bool SurfaceWatch::replace() {
@@ -194,7 +195,7 @@ bool SurfaceWatch::facets_allow(const Vec3 &x) {
         return false;
     return std::none_of(new_.begin(), new_.end(),
                         [this](const Piece &p) { return p.over > std::max(loose, p.was_over * kRounding); }) &&
-           bends_allow();
+           bends_allow() && crossings_allow();
 }
 
 bool SurfaceWatch::near(Piece &piece, double allowed) const {

@@ -88,6 +88,11 @@ class SurfaceWatch {
     double sharpest(const std::vector<Piece> &pieces, const std::vector<Hinge> &hinges) const;
     /// Whether no new piece bends more at its hinges than is allowed there, or than gone pieces or places did.
     bool bends_allow();
+    /// Whether no new piece runs through another one or a facet beside it, near facets beyond the tolerance, unless a
+    /// gone piece or place did.
+    bool crossings_allow();
+    /// Whether one of the pieces runs through another or one of the others.
+    static bool run_through(const std::vector<Piece> &pieces, const std::vector<std::array<Vec3, 3>> &others);
     Piece piece(const Facet &key, int patch) const;
     /// One that is in the complex.
     Piece present(const Facet &key, const TetComplex::SurfaceFacet &facet) const;

@@ -278,9 +278,11 @@ void TetComplex::remove_crease(const Edge &key) {
 
 void TetComplex::mark() {
     marks_.push_back({journal_.size(), total_});
+    WCT_CHECK(checks.mark();)
 }
 
 void TetComplex::commit() {
+    WCT_CHECK(checks.commit(*this);)
     marks_.pop_back();
     if (!marks_.empty())
         return;
@@ -291,6 +293,7 @@ void TetComplex::commit() {
 }
 
 void TetComplex::rollback() {
+    WCT_CHECK(checks.rollback();)
     const Mark mark = marks_.back();
     marks_.pop_back();
     for (std::size_t k = journal_.size(); k-- > mark.entries;) {

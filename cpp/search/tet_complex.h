@@ -2,6 +2,7 @@
 
 #include "base/cells.h"
 #include "base/vec3.h"
+#include "search/checks.h"
 
 #include <array>
 #include <cstddef>
@@ -141,6 +142,8 @@ class TetComplex {
     void changed(std::vector<int> &tets) const;
     /// Recompute the sum from scratch: rounding in `total()` does not pile up over long runs.
     void resum();
+
+    WCT_CHECK(CommitChecks checks;)
 
   private:
     enum class Kind : std::uint8_t {

@@ -36,6 +36,7 @@ bool StarDescent::settle(int v, const Vec3 &x) {
     energy_.each(star_, x, energies_.data());
     for (std::size_t k = 0; k < star_.tets.size(); ++k)
         complex_.set_energy(star_.tets[k], energies_[k] + energy_.over(complex_, complex_.tet(star_.tets[k])));
+    WCT_CHECK(complex_.checks.did("move");)
     return true;
 }
 

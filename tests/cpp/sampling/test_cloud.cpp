@@ -1,0 +1,53 @@
+#include "sampling/cloud.h"
+
+#include "base/random.h"
+
+#include <doctest/doctest.h>
+
+#include <set>
+#include <vector>
+
+namespace wct::tests {
+
+TEST_CASE("PointGrid: crowded where a point is closer than the mean of the radii, by a look at all") {
+    Random random(1);
+    sampling::PointGrid grid;
+    std::vector<std::pair<Vec3, double>> added;
+    int crowded = 0;
+    for (int k = 0; k < 800; ++k) {
+        const Vec3 p = 0.3 * random.normal3();
+        const double radius = std::ldexp(0.2 * random.uniform() + 1e-3, -random.below(6));
+        bool wanted = false;
+        for (const auto &[q, other] : added)
+            wanted = wanted || norm(p - q) < 0.5 * (radius + other);
+        REQUIRE(grid.crowded(p, radius) == wanted);
+        crowded += wanted;
+        if (!wanted || random.coin()) {
+            grid.add(p, radius);
+            added.emplace_back(p, radius);
+        }
+    }
+    CHECK(crowded > 50);
+}
+
+TEST_CASE("drop_twins: of points in one place the least free stays, given ones always") {
+    sampling::Cloud cloud;
+    cloud.add({1, 0, 0}, Stratum::interior, 0, 0.1);
+    cloud.add({0, 0, 0}, Stratum::patch, 1, 0.1);
+    cloud.add({1, 0, 0}, Stratum::crease, 2, 0.1);
+    cloud.add({0, 0, 0}, Stratum::patch, 3, 0.1);
+    cloud.add({2, 0, 0}, Stratum::interior, 4, 0.1);
+    cloud.add({2, 0, 0}, Stratum::interior, 5, 0.1);
+    cloud.held[5] = sampling::Hold::given;
+    CHECK(sampling::drop_twins(cloud));
+    std::set<int> labels(cloud.label.begin(), cloud.label.end());
+    CHECK(labels == std::set<int>{1, 2, 5});
+    CHECK_FALSE(sampling::drop_twins(cloud));
+    cloud.keep({1, 0, 1});
+    CHECK(cloud.count() == 2);
+    sampling::Cloud twice = cloud;
+    twice.append(cloud);
+    CHECK(twice.count() == 4);
+}
+
+} // namespace wct::tests

@@ -1,0 +1,103 @@
+#include "support/remesh.h"
+
+#include "geometry/predicates.h"
+#include "sampling/resample.h"
+#include "sampling/surface_labels.h"
+#include "search/crease_release.h"
+#include "search/needle_cosines.h"
+
+namespace wct::tests {
+
+namespace {
+
+Start start_of(const sampling::Resampled &made, const sampling::SurfaceLabels &labels, const Body &on) {
+    Start out;
+    out.intact = made.intact;
+    out.bad = static_cast<std::size_t>(made.tally.bad);
+    std::vector<int> place(made.cloud.count(), -1);
+    const auto placed = [&](int v) {
+        if (place[v] < 0) {
+            place[v] = static_cast<int>(out.body.points.size());
+            out.body.points.push_back(made.cloud.points[v]);
+            out.body.stratum.push_back(made.cloud.role[v]);
+            out.body.label.push_back(made.cloud.role[v] == Stratum::interior ? -1 : made.cloud.label[v]);
+            out.size.push_back(made.cloud.size[v]);
+        }
+        return place[v];
+    };
+    for (std::size_t t = 0; t < made.complex.all.tets.size(); ++t)
+        if (made.complex.region[t] >= 0) {
+            Tet tet = made.complex.all.tets[t];
+            for (int &v : tet)
+                v = placed(v);
+            out.body.tets.push_back(tet);
+            out.body.regions.push_back(made.complex.region[t]);
+        }
+    for (Facet facet : labels.facets) {
+        for (int &v : facet)
+            v = placed(v);
+        out.body.facets.push_back(facet);
+    }
+    out.body.patch = labels.patch;
+    for (const Edge &edge : labels.creases)
+        out.body.creases.push_back(search::sorted(placed(edge[0]), placed(edge[1])));
+    out.body.curve = labels.curve;
+    out.body.sides = on.sides;
+    return out;
+}
+
+} // namespace
+
+Start resampled(const Body &body, double tolerance, unsigned threads, std::uint64_t seed) {
+    domain::Reference reference(body.surface());
+    const domain::InputMesh mesh = body.mesh();
+    sampling::ResampleOptions options;
+    options.sizing.tolerance = tolerance;
+    options.seed = seed;
+    Monitor monitor({});
+    sampling::Resampled made =
+        sampling::resample(reference, mesh, {}, options, std::nullopt, nullptr, monitor, Workers(threads));
+    sampling::free_buried(made.cloud, made.complex, reference);
+    return start_of(made, sampling::label_surface(made.cloud, made.complex, reference), body);
+}
+
+Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options) {
+    Searched out;
+    const Body &body = start.body;
+    const auto needle = search::needle_cosines(body.points, body.tets, body.regions, body.creases);
+    double size = 0.0;
+    for (std::size_t v = 0; v < body.points.size(); ++v) {
+        out.complex.add_vertex({body.points[v], body.stratum[v], body.label[v], start.size[v], needle[v]});
+        size += start.size[v] / static_cast<double>(body.points.size());
+    }
+    for (std::size_t t = 0; t < body.tets.size(); ++t)
+        out.complex.add_tet(body.tets[t], body.regions[t], 0.0);
+    for (std::size_t k = 0; k < body.facets.size(); ++k)
+        out.complex.add_facet(search::sorted(body.facets[k][0], body.facets[k][1], body.facets[k][2]), body.patch[k]);
+    for (std::size_t k = 0; k < body.creases.size(); ++k)
+        out.complex.add_crease(body.creases[k], body.curve[k]);
+    const std::vector<std::uint8_t> loose(on.creases.empty() ? 0 : on.creases.size(), 0);
+    search::CreaseRelease search(out.complex, {on.points, on.facets, on.patch, on.creases, on.curve, loose, 0.0, {}},
+                                 tolerance, 0.125 * size);
+    out.outcome = search.run(options, [](const char *, double, int) { return true; });
+    return out;
+}
+
+int not_well_centered(const search::TetComplex &complex, bool acute) {
+    int count = 0;
+    for (std::size_t k = 0; k < complex.tet_slots(); ++k) {
+        const int t = static_cast<int>(k);
+        if (!complex.alive(t))
+            continue;
+        std::array<Vec3, 4> p;
+        for (int i = 0; i < 4; ++i)
+            p[i] = complex.point(complex.tet(t)[i]);
+        bool good = geometry::contains_circumcenter(p[0], p[1], p[2], p[3]);
+        for (const auto &f : kFacets)
+            good = good && (!acute || geometry::acute(p[f[0]], p[f[1]], p[f[2]]));
+        count += !good;
+    }
+    return count;
+}
+
+} // namespace wct::tests

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "search/local_search.h"
+#include "support/bodies.h"
+
+namespace wct::tests {
+
+/// A start for the body, made by sampling: in strata, with the sizes of its points.
+struct Start {
+    Body body;
+    std::vector<double> size;
+    bool intact = false;
+    std::size_t bad = 0;
+};
+Start resampled(const Body &body, double tolerance, unsigned threads, std::uint64_t seed = 1);
+
+/// What the search makes of a start, on the surface of the body.
+struct Searched {
+    search::TetComplex complex;
+    search::SearchOutcome outcome;
+};
+Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options);
+
+/// Tets of a complex that do not hold their circumcenter or, if `acute`, have a facet that does not, exactly.
+int not_well_centered(const search::TetComplex &complex, bool acute);
+
+} // namespace wct::tests
