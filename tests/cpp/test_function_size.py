@@ -19,6 +19,7 @@ ALLOWED = {
     "wct_plugin/cli/batch.py:batch": _COMMAND,
     "wct_plugin/cli/optimize.py:optimize": _COMMAND,
     "wct_plugin/cli/report.py:report": _COMMAND,
+    "wct_plugin/cli/run.py:run_pipeline": _COMMAND,
 }
 
 

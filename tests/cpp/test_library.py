@@ -3,8 +3,6 @@
 What it makes is judged by the package's NumPy: strata, quality, volumes.
 """
 
-import os
-import shutil
 import subprocess
 import tomllib
 from collections.abc import Callable
@@ -15,38 +13,19 @@ from typing import Any
 import numpy as np
 import pytest
 from support.builders import ball, cylinder, jittered_cube, kuhn_cube, l_shape, shaken_cube, two_region_cube
+from support.core_build import ROOT, build, built_core, run, run_cmake
 
 from wct_plugin.measure.quality import measure
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.strata import find_strata
 
-ROOT = Path(__file__).parents[2]
-
-
-def run(*command: str | Path) -> str:
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def build(source: Path, folder: Path, *definitions: str) -> Path:
-    """Configure and build; without optimization beyond -O1, which takes a third of the time."""
-    fast = ["-GNinja", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1"]
-    if shutil.which("ccache"):
-        fast.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
-    run("cmake", "-S", source, "-B", folder, *fast, *definitions)
-    run("cmake", "--build", folder)
-    return folder
-
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the library is installed."""
-    folder = tmp_path_factory.mktemp("library")
-    os.environ["CCACHE_BASEDIR"], os.environ["CCACHE_NOHASHDIR"] = str(ROOT), "1"  # other checkouts' objects will do
-    built = build(ROOT, folder / "build", f"-DCMAKE_INSTALL_PREFIX={folder / 'installed'}", "-DWCT_WERROR=ON")
-    run("cmake", "--install", built)
-    return folder / "installed"
+    folder = tmp_path_factory.mktemp("installed")
+    run_cmake("--install", built_core(), "--prefix", folder)
+    return folder
 
 
 def test_what_is_installed(installed):
