@@ -10,10 +10,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, ConsoleRenderable, RenderableType, RenderHook, RenderResult
+from rich.control import Control
+from rich.segment import Segment
 from rich.text import Text
 
 from wct_plugin.errors import WctWarning
+from wct_plugin.reports.printable import printable
 
 GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
 
@@ -26,8 +29,32 @@ def _width(stream: Any) -> int | None:
     return None if stream.isatty() else 120
 
 
-out = Console(highlight=False, width=_width(sys.stdout))
-err = Console(highlight=False, width=_width(sys.stderr), stderr=True)
+class _Printable:
+    """What is printed, with no character in it that would do anything to a terminal: files have any names."""
+
+    def __init__(self, inner: RenderableType) -> None:
+        self._inner = inner
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for segment in console.render(self._inner, options):
+            yield segment if segment.control else Segment(printable(segment.text), segment.style)
+
+
+class _OnlyPrintable(RenderHook):
+    """Makes a console print nothing else."""
+
+    def process_renderables(self, renderables: list[ConsoleRenderable]) -> list[ConsoleRenderable]:
+        return [one if isinstance(one, Control) else _Printable(one) for one in renderables]
+
+
+def _console(stream: Any, **settings: Any) -> Console:
+    made = Console(highlight=False, markup=False, emoji=False, width=_width(stream), **settings)
+    made.push_render_hook(_OnlyPrintable())
+    return made
+
+
+out = _console(sys.stdout)
+err = _console(sys.stderr, stderr=True)
 
 
 def be_quiet() -> Callable[[], None]:

@@ -57,9 +57,9 @@ def check_outputs(*paths: str | None) -> None:
 
 def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> Table:
     """A table whose columns but the first stand to the right, unless ``left``."""
-    made = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    made = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     for index, name in enumerate(head):
-        made.add_column(name, justify="left" if index == 0 or left else "right", overflow="fold")
+        made.add_column(Text(name), justify="left" if index == 0 or left else "right", overflow="fold")
     for row in rows:
         made.add_row(*(Text(cell) for cell in row))
     return made

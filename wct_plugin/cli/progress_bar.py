@@ -14,7 +14,8 @@ from wct_plugin.progress import Progress, ProgressCallback
 @contextmanager
 def progress_bar() -> Iterator[ProgressCallback]:
     """Show a bar on stderr; the first Ctrl-C or SIGTERM asks the filter to stop and keep its best, a second ends it."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[bad]}"), TimeElapsedColumn())
+    what, bad = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[bad]}"))
+    columns = (what, BarColumn(), bad, TimeElapsedColumn())
     with (
         ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal) as bar,
         FirstAsks() as signals,
