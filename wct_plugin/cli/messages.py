@@ -7,7 +7,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from rich.console import Console, ConsoleOptions, ConsoleRenderable, RenderableType, RenderHook, RenderResult
@@ -16,6 +16,7 @@ from rich.segment import Segment
 from rich.text import Text
 
 from wct_plugin.errors import WctWarning
+from wct_plugin.io.standard_streams import writing_stdout
 from wct_plugin.reports.printable import printable
 
 GOAL_MET, GOAL_MISSED, FAILED = 0, 1, 2
@@ -26,7 +27,7 @@ def _width(stream: Any) -> int | None:
     given = os.environ.get("COLUMNS", "")
     if given.isdecimal() and int(given) > 0:
         return int(given)
-    return None if stream.isatty() else 120
+    return None if stream is not None and stream.isatty() else 120
 
 
 class _Printable:
@@ -47,14 +48,36 @@ class _OnlyPrintable(RenderHook):
         return [one if isinstance(one, Control) else _Printable(one) for one in renderables]
 
 
-def _console(stream: Any, **settings: Any) -> Console:
-    made = Console(highlight=False, markup=False, emoji=False, width=_width(stream), **settings)
+class _Stdout(Console):
+    """Standard output; where it takes no more that is an error of one line."""
+
+    def print(self, *objects: Any, **settings: Any) -> None:
+        with writing_stdout():
+            super().print(*objects, **settings)
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
+class _Stderr(Console):
+    """Standard error, which may be full, closed or read by nobody: that ends no work."""
+
+    def print(self, *objects: Any, **settings: Any) -> None:
+        with suppress(OSError):
+            super().print(*objects, **settings)
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+
+
+def _console(kind: type[Console], stream: Any, **settings: Any) -> Console:
+    made = kind(highlight=False, markup=False, emoji=False, width=_width(stream), **settings)
     made.push_render_hook(_OnlyPrintable())
     return made
 
 
-out = _console(sys.stdout)
-err = _console(sys.stderr, stderr=True)
+out = _console(_Stdout, sys.stdout)
+err = _console(_Stderr, sys.stderr, stderr=True)
 
 
 def be_quiet() -> Callable[[], None]:
