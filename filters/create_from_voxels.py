@@ -35,6 +35,9 @@ class VoxelOptions(Options):
     spacing: float | tuple[float, float, float] = Field(
         1.0, description="Edge length of a voxel, or three (from the shell x,y,z) as far as the tets stay well-centered"
     )
+    max_bytes: int | None = Field(
+        None, ge=1, description="Most bytes that images may become (none: 100 times their files, at least 256 MiB)"
+    )
     variant: CubeVariant = Field("194", description="What fills a voxel: a variant of create_cube")
 
     @field_validator("voxels", mode="before")
@@ -101,7 +104,7 @@ class CreateFromVoxels(FilterStage[VoxelOptions]):
         """Indices (k, 3) of the voxels that are not empty, and their values (k,)."""
         given = self.options.voxels
         who = f"{given}: " if isinstance(given, str) else f"{self.type()}: "
-        values = _whole(voxel_image.read(given) if isinstance(given, str) else given, who)
+        values = _whole(voxel_image.read(given, self.options.max_bytes) if isinstance(given, str) else given, who)
         cells = np.argwhere(values)
         if not len(cells):
             raise InputError(f"{who}all of the {values.size} voxels are 0; at least one must not be")

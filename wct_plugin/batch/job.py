@@ -40,6 +40,7 @@ class Job:
     time_limit: float | None = None  #: seconds after which the filters are asked to stop
     memory: int | None = None  #: bytes
     regions: str | list[str] | None = None  #: names of the array or sets that are the regions of the input
+    max_bytes: int | None = None  #: that arrays of the input may become
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Record:
 
     def to_json(self) -> str:
         """One line."""
-        return json.dumps(asdict(self), ensure_ascii=False, allow_nan=False)
+        return json.dumps(asdict(self), allow_nan=False)  # ASCII: a name may be of bytes that are no text
 
     @classmethod
     def from_json(cls, line: str | bytes) -> "Record":
@@ -136,7 +137,9 @@ def _run(job: Job, output: Path) -> dict[str, Any]:
     if not Path(job.source).exists():  # it was there when the batch started
         raise InputError(f"{job.source}: no such file any more")
     limit = None if job.time_limit is None else TimeLimit(job.time_limit)
-    chain = Pipeline.from_json(job.pipeline).between(job.source, [output / job.name], regions=job.regions)
+    chain = Pipeline.from_json(job.pipeline).between(
+        job.source, [output / job.name], regions=job.regions, max_bytes=job.max_bytes
+    )
     result = chain.execute(limit)
     missed = [str(goal) for goal in result.goals if not goal.met]
     if limit is not None and (ended := limit.ended(result)):

@@ -73,6 +73,7 @@ def run_batch(
     *,
     suffix: str | None = None,
     regions: Regions = None,
+    max_bytes: int | None = None,
     jobs: int | None = None,
     timeout: float | None = None,
     time_limit: float | None = None,
@@ -100,6 +101,8 @@ def run_batch(
         That of the outputs, such as ``vtu``; None is each input's own, or ``vtu`` where that cannot carry the output.
     regions : str, sequence of str or None
         Names of the array or sets that are the regions of each input, as of :func:`wct_plugin.read`.
+    max_bytes : int or None
+        Most bytes that packed or declared arrays of an input may become, as of :func:`wct_plugin.read`.
     jobs : int or None
         How many files at a time; None is as many as there are cores.
     timeout : float or None
@@ -149,6 +152,7 @@ def run_batch(
         pipeline=chain.to_json(),
         pipeline_sha256=plan.fingerprint(chain, regions),
         regions=regions if isinstance(regions, str | None) else list(regions),
+        max_bytes=max_bytes,
         folder=os.getcwd(),
         work=str(manifest.work),
         timeout=timeout,

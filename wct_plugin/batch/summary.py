@@ -7,6 +7,7 @@ from typing import Any
 
 from wct_plugin.batch.job import Record
 from wct_plugin.reports import html_elements
+from wct_plugin.reports.printable import cell
 
 #: Columns of the table; sizes and quality are before → after.
 HEAD = ("file", "result", "tets", "3WC %", "CWC %", "min h/R", "seconds")
@@ -63,7 +64,7 @@ def to_csv(records: Sequence[Record]) -> str:
         sides = (record.before or {}, record.after or {})
         numbers = [side.get(name, "") for name in _NUMBERS for side in sides]
         own = ["" if (value := getattr(record, name)) is None else value for name in _FIELDS]
-        writer.writerow([*own, *_not_kept(record), *numbers])
+        writer.writerow(map(cell, [*own, *_not_kept(record), *numbers]))
     return text.getvalue()
 
 

@@ -36,6 +36,7 @@ class _Shard(click.ParamType[tuple[int, int]]):
 @click.option("-o", "--output", "folder", metavar="DIR", required=True, help="Where the outputs go; made if missing")
 @click.option("--format", "suffix", metavar="SUFFIX", help="Of the outputs  [default: each input's own; surfaces: vtu]")
 @filter_options.regions_option
+@filter_options.max_bytes_option
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Files at a time  [default: number of cores]")
 @click.option("--timeout", type=float, metavar="SECONDS", help="Longest that a file may take")
 @click.option("--time-limit", type=float, metavar="SECONDS", help="Stop a file after so long and keep its best so far")
@@ -51,6 +52,7 @@ def batch(
     folder: str,
     suffix: str | None,
     regions: Regions,
+    max_bytes: int | None,
     jobs: int | None,
     timeout: float | None,
     time_limit: float | None,
@@ -79,6 +81,7 @@ def batch(
                 folder,
                 suffix=suffix,
                 regions=regions,
+                max_bytes=max_bytes,
                 jobs=jobs,
                 timeout=timeout,
                 time_limit=time_limit,
@@ -99,7 +102,7 @@ def batch(
 @contextmanager
 def _shown() -> Iterator[Callable[[BatchProgress], None]]:
     """Show a bar over all files on a terminal, else a line per file."""
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with ProgressBar(*columns, console=err, transient=True, disable=not err.is_terminal or err.quiet) as bar:
         task = bar.add_task("")
 
@@ -115,7 +118,8 @@ def _shown() -> Iterator[Callable[[BatchProgress], None]]:
 
 def _line(record: Record) -> str:
     result = summary.RESULTS[record.exit_code]
-    return f"{record.input}: {result}{f': {record.cause}' if record.cause else ''} ({record.seconds:.1f} s)"
+    said = f"{record.input}: {result}{f': {record.cause}' if record.cause else ''} ({record.seconds:.1f} s)"
+    return " ".join(said.split())  # a name may have line breaks
 
 
 def _print(result: BatchResult) -> None:

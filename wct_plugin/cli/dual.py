@@ -25,7 +25,13 @@ from wct_plugin.pipeline.stage import check_kind
     "  [default: as the suffix says, openfoam without one]",
 )
 def dual(
-    source: str, target: str, form: DualFormat | None, regions: Regions, repair: bool, input_format: str | None
+    source: str,
+    target: str,
+    form: DualFormat | None,
+    regions: Regions,
+    repair: bool,
+    max_bytes: int | None,
+    input_format: str | None,
 ) -> int:
     """Write the circumcentric dual of the tet mesh IN: Voronoi cells, or the matrices of exterior calculus.
 
@@ -35,7 +41,7 @@ def dual(
     """
     check_dual_writable(target, format_of(target, form))
     check_apart([source], target)
-    mesh = read(source, suffix=input_format, regions=regions, repair=repair)
+    mesh = read(source, suffix=input_format, regions=regions, repair=repair, max_bytes=max_bytes)
     check_kind("wct dual", TetMesh, type(mesh))
     out.print(Text(f"{target}: {write_dual(target, mesh, format=form)}"))
     return GOAL_MET

@@ -1,8 +1,9 @@
 """Command-line options made from filters' declarations."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, ClassVar, get_args
 
 import click
 from pydantic.fields import FieldInfo
@@ -54,6 +55,24 @@ def repair_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Decorate a command with ``--repair``."""
     shown = f"{SourceOptions.model_fields['repair'].description}; a warning counts them"
     return click.option("--repair", is_flag=True, help=shown)(command)
+
+
+class _Size(click.ParamType[int]):
+    name = "size"
+    _UNITS: ClassVar[dict[str, int]] = {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        found = re.fullmatch(r"(\d+)([KMGT]?)", str(value).upper())
+        if not found or not int(found[1]):
+            self.fail(f"{value!r} is no size; allowed is a number of bytes, as 8G or 500M", param, ctx)
+        return int(found[1]) << self._UNITS[found[2]]
+
+
+def max_bytes_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate a command with ``--max-bytes``."""
+    shown = "Most bytes that packed or declared arrays of an input may become, as 8G"
+    shown += "  [default: 100 times the size of its files, at least 256M]"
+    return click.option("--max-bytes", type=_Size(), metavar="SIZE", help=shown)(command)
 
 
 def order_option(command: Callable[..., Any]) -> Callable[..., Any]:

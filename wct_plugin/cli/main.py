@@ -12,11 +12,13 @@ from collections.abc import Sequence
 
 import click
 
+from wct_plugin.cli.closed_streams import flushed, open_closed_streams
 from wct_plugin.cli.commands import Commands
 from wct_plugin.cli.interrupt import raise_on_sigterm
 from wct_plugin.cli.messages import FAILED, GOAL_MET, fail, show_warning, showing_notes
 from wct_plugin.errors import InternalError, WctError, WctWarning, one_line
 from wct_plugin.io import atomic_files
+from wct_plugin.io.standard_streams import ReaderGoneError
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -41,14 +43,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
             message = error.format_message()
         except InternalError as error:
             message = _crash(error)
+        except ReaderGoneError:  # who has read enough, as head does, wants no message
+            return FAILED
         except WctError as error:
             message = str(error)
-        except SystemExit as error:  # click's own where whoever read stdout has read enough, as head does
-            if not isinstance(error.__context__, BrokenPipeError):
-                raise
-            return FAILED
         except (KeyboardInterrupt, click.Abort):
             message = "interrupted" if written.names() else "interrupted; nothing was written"
+        except MemoryError as error:
+            message = one_line(error)
         except Exception as error:
             message = _crash(error)
         else:
@@ -66,5 +68,7 @@ def _crash(error: Exception) -> str:
 
 def main() -> None:
     """Entry point of the ``wct`` script."""
+    open_closed_streams()
     raise_on_sigterm()
-    sys.exit(run())
+    code = run()
+    sys.exit(code if flushed() else FAILED)

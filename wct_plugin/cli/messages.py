@@ -7,13 +7,17 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, ConsoleRenderable, RenderableType, RenderHook, RenderResult
+from rich.control import Control
+from rich.segment import Segment
 from rich.text import Text
 
 from wct_plugin.errors import WctWarning
+from wct_plugin.io.standard_streams import writing_stdout
+from wct_plugin.reports.printable import printable
 
 _LOG = logging.getLogger("wct_plugin")
 
@@ -25,17 +29,58 @@ def _width(stream: Any) -> int | None:
     given = os.environ.get("COLUMNS", "")
     if given.isdecimal() and int(given) > 0:
         return int(given)
-    return None if stream.isatty() else 120
+    return None if stream is not None and stream.isatty() else 120
 
 
-def _console(*, stderr: bool = False) -> Console:
-    """With NO_COLOR without any style: rich itself would still print bold."""
-    plain = bool(os.environ.get("NO_COLOR"))
-    width = _width(sys.stderr if stderr else sys.stdout)
-    return Console(highlight=False, width=width, stderr=stderr, color_system=None if plain else "auto")
+class _Printable:
+    """What is printed, with no character in it that would do anything to a terminal: files have any names."""
+
+    def __init__(self, inner: RenderableType) -> None:
+        self._inner = inner
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for segment in console.render(self._inner, options):
+            yield segment if segment.control else Segment(printable(segment.text), segment.style)
 
 
-out, err = _console(), _console(stderr=True)
+class _OnlyPrintable(RenderHook):
+    """Makes a console print nothing else."""
+
+    def process_renderables(self, renderables: list[ConsoleRenderable]) -> list[ConsoleRenderable]:
+        return [one if isinstance(one, Control) else _Printable(one) for one in renderables]
+
+
+class _Stdout(Console):
+    """Standard output; where it takes no more that is an error of one line."""
+
+    def print(self, *objects: Any, **settings: Any) -> None:
+        with writing_stdout():
+            super().print(*objects, **settings)
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
+class _Stderr(Console):
+    """Standard error, which may be full, closed or read by nobody: that ends no work."""
+
+    def print(self, *objects: Any, **settings: Any) -> None:
+        with suppress(OSError):
+            super().print(*objects, **settings)
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+
+
+def _console(kind: type[Console], stream: Any, **settings: Any) -> Console:
+    colors = None if os.environ.get("NO_COLOR") else "auto"  # rich itself would still print bold without
+    made = kind(highlight=False, markup=False, emoji=False, width=_width(stream), color_system=colors, **settings)
+    made.push_render_hook(_OnlyPrintable())
+    return made
+
+
+out = _console(_Stdout, sys.stdout)
+err = _console(_Stderr, sys.stderr, stderr=True)
 
 
 def be_quiet() -> Callable[[], None]:

@@ -74,6 +74,7 @@ def optimize(
     order: int | None,
     regions: Regions,
     repair: bool,
+    max_bytes: int | None,
     input_format: str | None,
     output_format: str | None,
     seconds: float | None,
@@ -108,7 +109,7 @@ def optimize(
         writer.validate()
         writer.check_takes(TetMesh)
 
-    mesh = read(source, suffix=input_format, regions=regions, repair=repair)
+    mesh = read(source, suffix=input_format, regions=regions, repair=repair, max_bytes=max_bytes)
     filters = [optimizer]
     if isinstance(mesh, SurfaceMesh):
         filters = [mesher, optimizer]
@@ -116,7 +117,8 @@ def optimize(
         flag = filter_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
         raise OptionError(f"{flag} is for surfaces; {source} has tets already")
     if print_pipeline:
-        chain = _optimizing(mesh_reader(source, regions, input_format=input_format, repair=repair), filters, writers)
+        reader = mesh_reader(source, regions, input_format=input_format, repair=repair, max_bytes=max_bytes)
+        chain = _optimizing(reader, filters, writers)
         with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))

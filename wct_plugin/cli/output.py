@@ -12,7 +12,7 @@ from rich.text import Text
 from wct_plugin.certify import certificate
 from wct_plugin.cli.messages import out
 from wct_plugin.io import atomic_files
-from wct_plugin.io.standard_streams import STREAM
+from wct_plugin.io.standard_streams import STREAM, check_stdout, writing_stdout
 from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.measure.solver_view import HEAD as SOLVER_HEAD
 from wct_plugin.pipeline import stage_page
@@ -27,7 +27,9 @@ from wct_plugin.reports.text_histograms import text_histograms
 def write_text(path: str, text: str) -> None:
     """Write a text file, or to stdout where ``path`` is ``-``."""
     if path == "-":
-        click.echo(text)
+        check_stdout()
+        with writing_stdout():
+            click.echo(text)
         return
     with atomic_files.replacing(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -65,9 +67,9 @@ def check_outputs(*paths: str | None) -> None:
 
 def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> Table:
     """A table whose columns but the first stand to the right, unless ``left``."""
-    made = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    made = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     for index, name in enumerate(head):
-        made.add_column(name, justify="left" if index == 0 or left else "right", overflow="fold")
+        made.add_column(Text(name), justify="left" if index == 0 or left else "right", overflow="fold")
     for row in rows:
         made.add_row(*(Text(cell) for cell in row))
     return made

@@ -61,7 +61,11 @@ class _Bar(ProgressBar):
     def __init__(self, standing: Standing) -> None:
         self._standing = standing
         super().__init__(
-            BarColumn(), TextColumn("{task.description}"), console=err, transient=True, refresh_per_second=5
+            BarColumn(),
+            TextColumn("{task.description}", markup=False),
+            console=err,
+            transient=True,
+            refresh_per_second=5,
         )
         self.add_task("", total=1.0)
 

@@ -4,6 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import PurePath
+from typing import Any
 
 import click
 from rich.text import Text
@@ -30,11 +31,9 @@ from wct_plugin.reports import html_report, json_schema
 from wct_plugin.reports.report import Report, make_report
 
 
-def _read(
-    source: str, input_format: str | None, regions: Regions, reference: SurfaceMesh | None, *, repair: bool
-) -> TetMesh | SurfaceMesh:
-    """A tet mesh, or triangles in a plane."""
-    mesh = read(source, suffix=input_format, regions=regions, repair=repair)
+def _read(source: str, reference: SurfaceMesh | None, **how: Any) -> TetMesh | SurfaceMesh:
+    """A tet mesh, or triangles in a plane; ``how`` it is read is for :func:`wct_plugin.read`."""
+    mesh = read(source, **how)
     if isinstance(mesh, SurfaceMesh) and planar.is_planar(mesh):
         return mesh
     if isinstance(mesh, SurfaceMesh):
@@ -82,6 +81,7 @@ def _meets(mesh: TetMesh | SurfaceMesh, report: Report | PlanarReport, goal: str
 @click.option("--reference", metavar="FILE", help="Say how far each boundary is from this surface or mesh's boundary")
 @filter_options.regions_option
 @filter_options.repair_option
+@filter_options.max_bytes_option
 @click.option("--input-format", metavar="SUFFIX", help="Of each FILE, as vtu  [default: its name tells; - has none]")
 @click.option("--schema", "print_schema", is_flag=True, help="Print the JSON schema of reports and end")
 def report(
@@ -95,6 +95,7 @@ def report(
     reference: str | None,
     regions: Regions,
     repair: bool,
+    max_bytes: int | None,
     input_format: str | None,
     print_schema: bool,
 ) -> int:
@@ -116,7 +117,8 @@ def report(
     if html_path:
         html_report.check_available()
     surface = _surface(reference) if reference else None
-    meshes = [_read(source, input_format, regions, surface, repair=repair) for source in sources]
+    how = {"suffix": input_format, "regions": regions, "repair": repair, "max_bytes": max_bytes}
+    meshes = [_read(source, surface, **how) for source in sources]
     _check_planar(meshes, html_path, goal)
     reports = [
         make_report(mesh, 10 if worst is None else worst, exact=exact)

@@ -50,6 +50,7 @@ def complete_pipeline(_context: click.Context, _param: click.Parameter, begun: s
 @click.argument("paths", metavar="[IN [OUT...]]", nargs=-1)
 @set_option
 @filter_options.regions_option
+@filter_options.max_bytes_option
 @formats_of_streams.input_format
 @formats_of_streams.output_format
 @time_limit_option
@@ -64,6 +65,7 @@ def run_pipeline(
     paths: Sequence[str],
     settings: Sequence[str],
     regions: Regions,
+    max_bytes: int | None,
     input_format: str | None,
     output_format: str | None,
     seconds: float | None,
@@ -96,10 +98,17 @@ def run_pipeline(
         pipeline = read_pipeline(chain, settings)
     if paths:
         pipeline = pipeline.between(
-            paths[0], paths[1:], regions=regions, input_format=input_format, output_format=output_format
+            paths[0],
+            paths[1:],
+            regions=regions,
+            max_bytes=max_bytes,
+            input_format=input_format,
+            output_format=output_format,
         )
     elif regions is not None:
         raise click.UsageError("--regions is of IN; for a reader of the pipeline: --set readers.mesh.regions=NAME")
+    elif max_bytes is not None:
+        raise click.UsageError("--max-bytes is of IN; for a reader of the pipeline: --set readers.mesh.max_bytes=BYTES")
     if validate:
         pipeline.check([TetMesh, SurfaceMesh], read=True)
         out.print(Text("valid: " + " | ".join(step.stage.type() for step in pipeline.steps)))

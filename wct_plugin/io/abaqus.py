@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import abaqus_names
+from wct_plugin.io import abaqus_names, read_limit
 from wct_plugin.io.abaqus_blocks import Block, blocks
 from wct_plugin.io.abaqus_scope import Elements, Scope
 from wct_plugin.io.abaqus_sets import Numbered, Sets
-from wct_plugin.io.companions import folder_of
 from wct_plugin.io.id_rows import IdRows
 from wct_plugin.io.included_files import Included
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
@@ -23,6 +22,10 @@ from wct_plugin.types import Floats, Ints
 
 #: What makes nodes or elements that stand nowhere in the file, or places them otherwise than they stand there.
 _MAKERS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SYMMETRIC MODEL GENERATION")
+
+
+#: Bytes that a node takes: place, number, row, and the elements at it.
+_PER_NODE = 200
 
 
 @dataclass
@@ -57,7 +60,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     Raises :class:`InputError`, without the file's name, for what is no good file.
     """
     lost: list[str] = []
-    included = Included(folder_of(path))
+    included = Included(path)
     text = path.read_bytes()
     placed = _placed(blocks(text, included), lost)
     if not any(scope.ids for one in placed for scope in one.scopes):
@@ -128,6 +131,8 @@ class _Assembled:
         places: list[tuple[Ints, Ints]] = []
         for one in placed:
             ids, points = one.nodes(lost)
+            if one.name:  # a part may be placed any number of times
+                read_limit.claim(len(points) * _PER_NODE, f"instance {one.name!r}")
             self._points.append(points)
             self._nodes.append(Numbered.of(ids, offset + np.arange(len(ids))))
             rows = IdRows(ids, "node")

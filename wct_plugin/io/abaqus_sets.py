@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
 from wct_plugin.io.abaqus_scope import Members, NamedSet, Scope
 from wct_plugin.types import Ints
 
@@ -52,6 +53,7 @@ class Sets:
     ) -> None:
         """For each place its name, which is empty for the whole, its scopes and its numbers."""
         self._places = {name.lower(): place for place, name in enumerate(names) if name}
+        self._known: dict[tuple[int, str], Ints] = {}
         self._names, self._scopes, self._numbered, self._of, self._lost = names, scopes, numbered, of, lost
 
     def every(self) -> dict[str, tuple[int, str]]:
@@ -66,6 +68,8 @@ class Sets:
 
     def members(self, place: int, key: str, within: tuple[tuple[int, str], ...] = ()) -> Ints:
         """What is in a set, each once, ascending."""
+        if (place, key) in self._known:
+            return self._known[place, key]
         if (place, key) in within:
             raise InputError(f"has set {key!r}, which has itself among its members")
         parts = [_NONE]
@@ -78,7 +82,10 @@ class Sets:
                     self._lost.append(f"{missing} members of set {one.name!r}, which are not there")
                 for name in piece.names:
                     parts.append(self._named(where, name, one.name, (*within, (place, key))))
-        return np.unique(np.concatenate(parts))
+        found = np.unique(np.concatenate(parts))
+        read_limit.claim(found.nbytes, f"set {key!r}")
+        self._known[place, key] = found
+        return found
 
     def _place(self, instance: str, of: str) -> int:
         if instance not in self._places:

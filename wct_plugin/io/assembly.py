@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import formats, region_choice
+from wct_plugin.io import formats, read_limit, region_choice
 from wct_plugin.io.abaqus_names import USUAL
 from wct_plugin.io.corners import corners_only
 from wct_plugin.io.periodic_sides import is_periodic
@@ -198,6 +198,8 @@ def _joined(parts: list[tuple[NDArray[Any] | None, int]]) -> NDArray[Any]:
     known = [np.asarray(part) for part, _ in parts if part is not None]
     dtype = np.result_type(*known)
     fill: Any = np.nan if dtype.kind == "f" else np.zeros(1, dtype)[0]
+    width = known[0].nbytes // max(len(known[0]), 1)
+    read_limit.claim(width * sum(count for part, count in parts if part is None), "data that some cells lack")
     return np.concatenate(
         [np.full((count, *known[0].shape[1:]), fill, dtype) if part is None else part for part, count in parts]
     )

@@ -1,14 +1,15 @@
 """Writing files so that nothing half written carries the target's name, and refusing early what cannot be written."""
 
 import os
-import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
 from wct_plugin.errors import OutputError
+from wct_plugin.io.workplaces import alone_in, workplace
 
 
 class Written:
@@ -51,19 +52,39 @@ def check_writable(path: str | Path) -> None:
     Raises
     ------
     OutputError
-        If the directory is missing or takes no new file, or if a directory has the name.
+        If the directory is missing or takes no new file, or if what has the name is no file or may not be written.
     """
-    target = Path(path)
-    if target.is_dir():
-        raise OutputError(f"{path}: is a directory; a file name is needed")
-    if not target.parent.is_dir():
-        raise OutputError(f"{path}: there is no directory {target.parent}; create it first")
     try:
+        target = _target(path)
+        if not target.parent.is_dir():
+            raise OutputError(f"{path}: there is no directory {target.parent}; create it first")
         # Only creating a file tells: permission bits say nothing to root, nor about read-only or full disks.
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}."):
+        with tempfile.TemporaryFile(dir=target.parent):
             pass
     except OSError as error:
         raise _unwritable(path, error) from error
+
+
+def _target(path: str | Path) -> Path:
+    """The file that is to be written, behind a link too. Raises :class:`OSError` for what must not be replaced."""
+    target = Path(path)
+    if target.is_symlink():
+        try:
+            target = target.resolve()
+        except RuntimeError as error:  # Python's for links that lead round in circles
+            raise OSError(0, "is a link that leads to itself") from error
+    _check_replaceable(target)
+    return target
+
+
+def _check_replaceable(target: Path) -> None:
+    """Raise :class:`OSError` for directories, devices and pipes, and for files that may not be written."""
+    if target.is_dir():
+        raise IsADirectoryError(0, "is a directory; a file name is needed")
+    if target.exists() and not target.is_file():
+        raise OSError(0, "is a device or a pipe; allowed are files, and - for standard output")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise PermissionError(0, "the file there is write-protected")
 
 
 @contextmanager
@@ -73,7 +94,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
     The temporary path has the target's own file name in a hidden directory next to it. A writer that chooses its
     format by suffix, adds companions (``.node`` + ``.ele``, ``.xdmf`` + ``.h5``) or stores a companion's name inside
     a file thus sees what it would see at the target; companions are moved too, before the target. Whatever is
-    raised, KeyboardInterrupt included, nothing temporary stays and an existing target is as it was.
+    raised, KeyboardInterrupt included, nothing temporary stays and an existing target is as it was; a process that is
+    killed leaves the directory, which the next one that writes this target takes away. A file that takes the place of
+    another has its permissions.
 
     Parameters
     ----------
@@ -90,19 +113,11 @@ def replacing(path: str | Path) -> Iterator[Path]:
     OutputError
         For an :class:`OSError` of the body or of the renaming (disk full, no permission), naming path and reason.
     """
-    target = Path(path)
-    if target.is_symlink():
-        target = target.resolve()
     try:
-        if target.is_dir():
-            raise IsADirectoryError(0, "is a directory; a file name is needed")
-        work = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-        try:
+        target = _target(path)
+        with workplace(target.parent, target.name) as work:
             yield work / target.name
             _move(work, target, Path(path))
-        finally:
-            # What is raised here is the body's own exception, which matters more than a rest that cannot be removed.
-            shutil.rmtree(work, ignore_errors=True)
     except OSError as error:
         raise _unwritable(path, error) from error
 
@@ -116,7 +131,7 @@ def check_fillable(folder: str | Path) -> None:
     if not there.is_dir():
         raise OutputError(f"{folder}: {there} is a file; a folder is needed")
     try:
-        with tempfile.NamedTemporaryFile(dir=there, prefix=".wct."):
+        with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
         raise _unwritable(folder, error) from error
@@ -142,18 +157,16 @@ def filling(folder: str | Path) -> Iterator[Path]:
     target = Path(folder)
     missing, there = _missing(target)
     try:
-        work = Path(tempfile.mkdtemp(dir=there, prefix=".wct."))
-        try:
-            yield work
-            target.mkdir(parents=True, exist_ok=True)
-            _name([(made, target / made.name, target / made.name) for made in sorted(work.iterdir())])
-        except BaseException:
-            for made in reversed(missing):  # the outermost comes first
-                if made.is_dir() and not any(made.iterdir()):
-                    made.rmdir()
-            raise
-        finally:
-            shutil.rmtree(work, ignore_errors=True)
+        with workplace(there, target.name) as work:
+            try:
+                yield work
+                target.mkdir(parents=True, exist_ok=True)
+                _name([(made, target / made.name, target / made.name) for made in sorted(work.iterdir())])
+            except BaseException:
+                for made in reversed(missing):  # the outermost comes first
+                    if made.is_dir() and not any(made.iterdir()):
+                        made.rmdir()
+                raise
     except OSError as error:
         raise _unwritable(folder, error) from error
 
@@ -179,13 +192,28 @@ def _name(made: list[tuple[Path, Path, Path]]) -> None:
     for file, final, _ in made:
         if final.is_dir():
             raise IsADirectoryError(0, f"there is a directory named {file.name}")
+        _check_replaceable(final)
         with file.open("rb") as handle:
             os.fsync(handle.fileno())  # some file systems report a full disk only now
     notes = _NOTES.get()
-    for file, final, known in made:
-        if notes is not None:
-            notes.note(known, file)
-        file.replace(final)
+    for folder in {final.parent for _, final, _ in made}:
+        with alone_in(folder):
+            for file, final, known in made:
+                _take_permissions(file, final)
+                if notes is not None:
+                    notes.note(known, file)
+                file.replace(final)
+
+
+def _take_permissions(file: Path, final: Path) -> None:
+    """Give a file the permissions, and where we may the owner, of the one whose place it takes."""
+    if not final.exists():
+        return
+    there, ours = final.stat(), file.stat()
+    if (there.st_uid, there.st_gid) != (ours.st_uid, ours.st_gid) and hasattr(os, "chown"):
+        with suppress(PermissionError):
+            os.chown(file, there.st_uid, there.st_gid)
+    file.chmod(stat.S_IMODE(there.st_mode))
 
 
 def _unwritable(path: str | Path, error: OSError) -> OutputError:

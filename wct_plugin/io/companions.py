@@ -1,4 +1,4 @@
-"""The files that a file names: only those beside or below it are opened, whatever it asks for."""
+"""The files that a file names: only those beside or below it are opened, whatever it asks, and no pipe or device."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -8,9 +8,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
 
 _NONE: Mapping[Path, Path] = MappingProxyType({})
 _STAND_FOR: ContextVar[Mapping[Path, Path]] = ContextVar("files that stand for others", default=_NONE)
+_OPENED: ContextVar[dict[Path, None] | None] = ContextVar("files that were read", default=None)
 
 
 @contextmanager
@@ -21,6 +23,24 @@ def standing_for(temporary: Path, file: Path) -> Iterator[None]:
         yield
     finally:
         _STAND_FOR.reset(token)
+
+
+@contextmanager
+def noting_opened() -> Iterator[dict[Path, None]]:
+    """Note every file that the body reads, for who must say which they were; in their order."""
+    noted: dict[Path, None] = {}
+    token = _OPENED.set(noted)
+    try:
+        yield noted
+    finally:
+        _OPENED.reset(token)
+
+
+def note_opened(path: Path) -> None:
+    """Say that a file is read."""
+    read_limit.opened(path)
+    if (noted := _OPENED.get()) is not None:
+        noted[Path(os.path.abspath(path))] = None
 
 
 def folder_of(file: Path) -> Path:
@@ -34,6 +54,22 @@ def companion(file: Path, name: str) -> Path:
     path = Path(os.path.normpath(folder / name.replace("\\", "/")))
     if not path.is_relative_to(folder):
         raise InputError(f"names the file {name!r}, which lies elsewhere; allowed are files beside or below it")
-    if not path.is_file():
-        raise InputError(f"names the file {name!r}, but there is no such file")
+    return checked(file, path, f"names the file {name!r}")
+
+
+def checked(file: Path, path: Path, said: str) -> Path:
+    """A path beside or below ``file``, found to be a plain file there, by way of links too.
+
+    Where ``file`` is itself a link, beside what it leads to is as good. Raises :class:`InputError` that begins with
+    what is ``said`` of it.
+    """
+    if not path.exists():
+        raise InputError(f"{said}, but there is no such file")
+    given, real = _STAND_FOR.get().get(file, file), path.resolve()
+    roots = (folder_of(file).resolve(), given.resolve().parent, file.resolve().parent)
+    if not any(real.is_relative_to(root) for root in roots):
+        raise InputError(f"{said}, a link that leads elsewhere; allowed are files beside or below it")
+    if not real.is_file():
+        raise InputError(f"{said}, which is no file")
+    note_opened(path)
     return path

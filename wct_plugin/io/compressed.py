@@ -9,8 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wct_plugin.errors import InputError
-from wct_plugin.io.companions import standing_for
+from wct_plugin.io import read_limit
+from wct_plugin.io.companions import companion, standing_for
 from wct_plugin.io.formats import PACKED, Format
+
+#: Bytes that are unpacked at a time.
+_PIECE = 1 << 20
 
 
 @contextmanager
@@ -27,9 +31,9 @@ def unpacked(file: Path, form: Format) -> Iterator[Path]:
             beside = file.with_name(made.name)
             packed = beside.with_name(beside.name + file.suffix)
             if made != plain and packed.exists():
-                _unpack(packed, made)
+                _unpack(companion(file, packed.name), made)
             elif made != plain and beside.exists():
-                shutil.copyfile(beside, made)
+                shutil.copyfile(companion(file, beside.name), made)
         with standing_for(plain, file):
             yield plain
 
@@ -37,7 +41,9 @@ def unpacked(file: Path, form: Format) -> Iterator[Path]:
 def _unpack(packed: Path, plain: Path) -> None:
     try:
         with gzip.open(packed, "rb") as source, plain.open("wb") as target:
-            shutil.copyfileobj(source, target)
+            while part := source.read(_PIECE):
+                read_limit.claim(len(part), "what is packed in it")
+                target.write(part)
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise InputError(f"cannot be unpacked: {error}") from error
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import safe_xml
-from wct_plugin.io.companions import folder_of
+from wct_plugin.io.companions import companion, folder_of
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.text_lines import whole_number, whole_numbers
 
@@ -32,7 +32,7 @@ def read(path: Path, root: ET.Element) -> tuple[RawMesh, list[str]]:
     lost: list[str] = []
     _put_tags(raw, mesh, "the mesh", lost)
     for file in sorted(folder_of(path).glob(f"{_escaped(path.stem)}_*_region.xml")):  # where dolfin-convert puts them
-        _put_tags(raw, safe_xml.parse(file.read_bytes()), file.name, lost)
+        _put_tags(raw, safe_xml.parse(companion(path, file.name).read_bytes()), file.name, lost)
     return raw, lost
 
 

@@ -87,7 +87,10 @@ def _points(found: Variables) -> NDArray[Any]:
 
 def _ids(found: Variables, what: str, count: int) -> list[int]:
     """The numbers of blocks or sets; Exodus counts from 1 where it has none."""
-    return [int(number) for number in found.get(f"{what}_prop1", np.arange(1, count + 1))]
+    given = found.get(f"{what}_prop1", np.empty(0)).tolist()
+    if not given and count > len(found):  # numbers in names need not be those of variables that are there
+        raise InputError(f"has {what}_{count} among {len(found)} variables; they must be numbered one after the other")
+    return [int(number) for number in given] or list(range(1, count + 1))
 
 
 def _names(found: Variables, what: str, ids: list[int]) -> list[str]:

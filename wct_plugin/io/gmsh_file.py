@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
 from wct_plugin.io.gmsh_kinds import kind_of
 from wct_plugin.io.id_rows import IdRows
 from wct_plugin.io.node_orders import from_gmsh
@@ -124,6 +125,7 @@ class GmshFile:
             for k, numbers in enumerate(ids):
                 inside = np.flatnonzero(np.isin(numbers, members))
                 if len(inside):
+                    read_limit.claim(inside.nbytes, f"group {name!r}")
                     columns[k] = inside
 
 
@@ -131,6 +133,8 @@ def _spread(count: int, rows: Ints, values: NDArray[Any]) -> NDArray[Any]:
     """(count, ...) the values in their rows, NaN in all others."""
     if len(rows) == count and np.array_equal(rows, np.arange(count)):
         return values
+    width = int(np.prod(values.shape[1:]))
+    read_limit.claim(8 * count * width, f"an array of {count} rows of {width} numbers")
     out = np.full((count, *values.shape[1:]), np.nan)
     out[rows] = values
     return out

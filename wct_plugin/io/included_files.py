@@ -3,6 +3,8 @@
 from pathlib import Path
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
+from wct_plugin.io.companions import checked, folder_of
 
 #: Files that one file may lead to, itself included more than once among them.
 _MOST = 1000
@@ -11,8 +13,8 @@ _MOST = 1000
 class Included:
     """What a file includes, directly or by way of others."""
 
-    def __init__(self, folder: Path) -> None:
-        self._root = folder.resolve()
+    def __init__(self, file: Path) -> None:
+        self._file, self._root = file, folder_of(file).resolve()
         self._count = 0
 
     def read(self, name: str, within: tuple[Path, ...]) -> tuple[Path, bytes]:
@@ -24,11 +26,13 @@ class Included:
         relative = name.replace("\\", "/")
         beside = [folder / relative for folder in (*[one.parent for one in within[-1:]], self._root)]
         wanted = next((path for path in beside if path.exists()), beside[0]).resolve()
-        if not wanted.is_relative_to(self._root):
+        if not wanted.is_relative_to(self._root) and not wanted.is_relative_to(self._file.resolve().parent):
             raise InputError(f"includes {name!r}; allowed are files beside it or below")
         if not wanted.is_file():
             raise InputError(f"includes {name!r}, which is {'no file' if wanted.exists() else 'not there'}")
+        checked(self._file, wanted, f"includes {name!r}")
         self._count += 1
         if wanted in within or self._count > _MOST:
             raise InputError(f"includes {name!r}, which includes itself")
+        read_limit.claim(wanted.stat().st_size, f"the included file {name!r}")
         return wanted, wanted.read_bytes()

@@ -27,9 +27,9 @@ def unpack(block: bytes, size: int) -> bytes:
             count = token & 15
             if count == 15:
                 at, count = _longer(block, at)
+            if len(out) + count + 4 > size:
+                raise IndexError
             _repeat(out, back, count + 4)
-            if len(out) > size:
-                break
     except IndexError:
         at = end + 1
     if at != end or len(out) != size:

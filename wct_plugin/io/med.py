@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import hdf5, med_families, med_fields
+from wct_plugin.io import hdf5, med_families, med_fields, read_limit
 from wct_plugin.io.med_families import TAGS, Family
 from wct_plugin.io.node_orders import in_med
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
@@ -110,3 +110,4 @@ def _point_groups(raw: RawMesh, points: Any, families: dict[int, Family]) -> Non
     for name in dict.fromkeys(name for one in families.values() for name in one.groups):
         members = [number for number, one in families.items() if name in one.groups]
         raw.point_sets[name] = np.flatnonzero(np.isin(numbers, members))
+        read_limit.claim(raw.point_sets[name].nbytes, f"group {name!r}")

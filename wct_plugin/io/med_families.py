@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from wct_plugin.io import hdf5
+from wct_plugin.io import hdf5, read_limit
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.text_lines import decoded
 from wct_plugin.mesh import cell_kinds
@@ -95,7 +95,9 @@ def put_cells(raw: RawMesh, families: Mapping[int, Family]) -> None:
     for group in dict.fromkeys(group for one in families.values() for group in one.groups):
         ids = [number for number, one in families.items() if group in one.groups]
         if used & set(ids) or any(families[number].dimension == 3 for number in ids):
-            raw.cell_sets[group] = [np.flatnonzero(np.isin(column, ids)) for column in numbers]
+            members = [np.flatnonzero(np.isin(column, ids)) for column in numbers]
+            read_limit.claim(sum(part.nbytes for part in members), f"group {group!r}")
+            raw.cell_sets[group] = [*members]
     for one in families.values():
         if one.name and one.dimension is not None:
             raw.field_data[one.name] = np.array([one.tag, one.dimension])

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import hdf5
+from wct_plugin.io import hdf5, read_limit
 from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.text_lines import decoded
 
@@ -56,6 +56,9 @@ def _values(data: Any, count: int, profiles: Any) -> NDArray[Any]:
         values = np.moveaxis(values.reshape(-1, len(rows), points), 0, 2)
         if made is None:
             whole = name == _WHOLE
+            if not whole:
+                size = count * int(np.prod(values.shape[1:])) * values.dtype.itemsize
+                read_limit.claim_more(size, values.nbytes, "a field on a profile")
             fill = np.nan if values.dtype.kind == "f" else 0
             made = np.array(values) if whole else np.full((count, *values.shape[1:]), fill, dtype=values.dtype)
         made[rows] = values

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
-from wct_plugin.io.companions import folder_of
 from wct_plugin.io.id_rows import IdRows
 from wct_plugin.io.included_files import Included
 from wct_plugin.io.nastran_cards import Cards, cards
@@ -56,7 +55,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     The property of each element is its tag. Raises :class:`InputError`, without the file's name, for what is no good
     file, and for points in other coordinate systems than the basic one.
     """
-    text = _with_included(path.read_bytes(), Included(folder_of(path)), ())
+    text = _with_included(path.read_bytes(), Included(path), ())
     if b"\t" in text:
         text = text.expandtabs(8)
     lines = Lines.of(text)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
 from wct_plugin.io.text_lines import Lines, numbers
 from wct_plugin.types import Bools, Floats, Ints
 
@@ -23,6 +24,8 @@ _LAST = 72
 _CHUNK = 1 << 16
 #: Longest field of a free line that is cut.
 _LONGEST = 32
+#: Fields that a free line has at most as programs write it.
+_USUAL = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +159,8 @@ def _cut_free(bytes_: NDArray[np.uint8], starts: Ints, ends: Ints) -> NDArray[np
     first = np.searchsorted(commas, starts)
     count = np.searchsorted(commas, ends) - first
     fields = int(count.max(initial=0))
+    size = len(starts) * _LONGEST
+    read_limit.claim_more(size * fields, size * _USUAL, f"lines of {fields} fields")
     out = np.full((len(starts), fields, _LONGEST), 32, dtype=np.uint8)
     for k in range(fields):
         has = np.flatnonzero((k < count) & ~((k == 8) & (count == 9)))  # the tenth only names the line it goes on in

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import hdf5
+from wct_plugin.io.netcdf_classic import ClassicFile
 from wct_plugin.io.text_lines import decoded
 
 
@@ -59,22 +60,9 @@ def _from_hdf(path: Path, wanted: tuple[str, ...]) -> Variables:
 
 
 def _from_classic(path: Path, wanted: tuple[str, ...]) -> Variables:
-    from scipy.io import netcdf_file
-
-    try:
-        return _variables(netcdf_file, path, wanted)
-    except Exception as error:  # any at all: it converts and looks up without looking
-        raise InputError("is a damaged or truncated netCDF file") from error
-
-
-def _variables(netcdf_file: Any, path: Path, wanted: tuple[str, ...]) -> Variables:
-    arrays: dict[str, NDArray[Any]] = {}
-    types: dict[str, str] = {}
-    with netcdf_file(path, "r", mmap=False) as file:
-        for name, data in file.variables.items():
-            if name.startswith(wanted):
-                array = np.array(data[...])
-                arrays[name] = array.astype(array.dtype.newbyteorder("="))
-                if hasattr(data, "elem_type"):
-                    types[name] = _text(bytes(data.elem_type))
-    return Variables(arrays, types)
+    file = ClassicFile(path.read_bytes())
+    chosen = [name for name in file.variables if name.startswith(wanted)]
+    types = {name: file.variables[name].attributes.get("elem_type", b"") for name in chosen}
+    return Variables(
+        {name: file.values(name) for name in chosen}, {name: _text(said) for name, said in types.items() if said}
+    )

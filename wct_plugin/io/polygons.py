@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 Corners = NDArray[np.int64]
@@ -47,6 +48,7 @@ def _each(columns: list[Any], pieces: list[int], change: Any) -> list[Any]:
 
 
 def _repeated(values: NDArray[Any], count: int) -> NDArray[Any]:
+    read_limit.claim(values.nbytes * (count - 1), "data of faces, for each of their triangles")
     return np.repeat(values, count, axis=0)
 
 

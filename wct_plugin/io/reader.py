@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError, OptionError, WctWarning
-from wct_plugin.io import formats
+from wct_plugin.io import formats, read_limit
 from wct_plugin.io.assembly import to_mesh
 from wct_plugin.io.boundary_lists import without_lists
+from wct_plugin.io.companions import note_opened
 from wct_plugin.io.compressed import unpacked
 from wct_plugin.io.refusals import refusing
 from wct_plugin.io.region_choice import Regions, warn_of_others
@@ -19,7 +20,12 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 
 
 def read(
-    path: str | Path, *, suffix: str | None = None, regions: Regions = None, repair: bool = False
+    path: str | Path,
+    *,
+    suffix: str | None = None,
+    regions: Regions = None,
+    repair: bool = False,
+    max_bytes: int | None = None,
 ) -> TetMesh | SurfaceMesh:
     """Read a mesh in any format of :data:`~wct_plugin.io.formats.FORMATS`.
 
@@ -45,6 +51,9 @@ def read(
     repair : bool, optional
         Whether broken tets are dropped or mended: repeated ones, those with a vertex twice, those of zero volume. A
         warning counts them. Without it they are refused.
+    max_bytes : int, optional
+        Most bytes that packed or declared arrays may become; more is refused before it is allocated. Without it 100
+        times the size of the files, and at least 256 MiB.
 
     Returns
     -------
@@ -63,13 +72,16 @@ def read(
         If the file is missing, damaged, of an unknown format, or holds volumes without a tet, or broken tets that are
         not to be repaired, or cannot.
     OptionError
-        If ``regions`` are not in the file, are no whole numbers, or overlap.
+        If ``max_bytes`` is not above 0, and if ``regions`` are not in the file, are no whole numbers, or overlap.
     """
     file = Path(path)
     form = formats.to_read(file, suffix)
     with ExitStack() as stack:
+        stack.enter_context(read_limit.limited(max_bytes))
         if str(path) == STREAM:
             file = stack.enter_context(spooled("".join(formats.meant(file, suffix).suffixes), form))
+        _check_file(path, file)
+        note_opened(file)
         return _of_file(path, file, form, regions, repair=repair)
 
 
@@ -77,7 +89,6 @@ def _of_file(
     path: str | Path, file: Path, form: formats.Format, regions: Regions, *, repair: bool
 ) -> TetMesh | SurfaceMesh:
     """The mesh of a file, which the user knows as ``path``."""
-    _check_file(path, file)
     try:
         with unpacked(file, form) as plain:
             mesh, lost, notes = _read(plain, form, str(path), regions, repair=repair)

@@ -14,6 +14,9 @@ def refusing(form: Format) -> Iterator[None]:
         yield
     except (InputError, OSError) as error:
         raise InputError(f"cannot be read as {form.name}: {_first_line(error)}") from error
+    except MemoryError as error:
+        said = f": {_first_line(error)}" if str(error) else ""
+        raise InputError(f"cannot be read as {form.name}: ran out of memory{said}") from error
     except Exception as error:  # any at all: readers index and convert without looking
         said = f"malformed or truncated ({type(error).__name__}: {_first_line(error)})"
         raise InputError(f"cannot be read as {form.name}: {said}") from error

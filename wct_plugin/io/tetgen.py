@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
+from wct_plugin.io.companions import checked
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.text_lines import columns_of_rows, next_rows, whole_numbers
 from wct_plugin.types import Floats, Ints
@@ -27,7 +28,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     Raises :class:`InputError`, without the file's name, for what is no good file.
     """
     lost: list[str] = []
-    nodes, tets = (_Rows(path.with_suffix(suffix)) for suffix in (".node", ".ele"))
+    nodes, tets = (_Rows(path, suffix) for suffix in (".node", ".ele"))
     count, dimension, attributes, markers = nodes.head(4)
     if dimension != 3:
         raise InputError(f"{nodes.name} has points of dimension {dimension}; allowed is 3")
@@ -46,7 +47,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
         values = table[:, 5 + k]
         raw.cell_data[name if (values == np.rint(values)).all() else f"{_ATTRIBUTE}{k + 1}"] = [values]
     if path.with_suffix(".face").exists():
-        _put_facets(raw, _Rows(path.with_suffix(".face")), first, lost)
+        _put_facets(raw, _Rows(path, ".face"), first, lost)
     return raw, lost
 
 
@@ -71,10 +72,12 @@ def _put_facets(raw: RawMesh, file: "_Rows", first: int, lost: list[str]) -> Non
 class _Rows:
     """One of the files: a row with its counts, and so many rows; comments and blank lines may be anywhere."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, named: Path, suffix: str) -> None:
+        path = named.with_suffix(suffix)
         self.name = path.name
         if not path.exists():
             raise InputError(f"needs {self.name} beside it, which is not there")
+        checked(named, path, f"needs {self.name} beside it")
         text = re.sub(rb"#[^\r\n]*", b"", path.read_bytes())
         self._text = text if b"\n" in text else text.replace(b"\r", b"\n")
         self._at = self._count = 0

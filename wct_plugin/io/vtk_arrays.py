@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import lz4_block, safe_xml
+from wct_plugin.io import lz4_block, read_limit, safe_xml
 from wct_plugin.io.text_lines import numbers_of_type, whole_number
 
 _TYPES = {
@@ -21,9 +21,13 @@ _TYPES = {
     "UInt64": "u8", "Float32": "f4", "Float64": "f8",
 }  # fmt: skip
 _ORDERS = {"LittleEndian": "<", "BigEndian": ">", None: "="}
+#: Bytes that LZMA's dictionary may take; its strongest preset takes 65 MiB.
+_LZMA_MEMORY = 1 << 28
 _UNPACK: dict[str, Callable[[bytes, int], bytes]] = {
     "vtkZLibDataCompressor": lambda block, size: zlib.decompressobj().decompress(block, size + 1),
-    "vtkLZMADataCompressor": lambda block, size: lzma.LZMADecompressor().decompress(block, size + 1),
+    "vtkLZMADataCompressor": lambda block, size: lzma.LZMADecompressor(memlimit=_LZMA_MEMORY).decompress(
+        block, size + 1
+    ),
     "vtkLZ4DataCompressor": lz4_block.unpack,
 }
 
@@ -108,8 +112,8 @@ def _content(file: VtkXml, data: bytes, *, raw: bool) -> bytes:
         head, rest = _take(data, file.head.itemsize, raw=raw)
         size = int(np.frombuffer(head, file.head)[0])
         if raw or data[: _base64_length(len(head))].endswith(b"="):  # the length was encoded by itself
-            return _take(rest, size, raw=raw)[0]
-        return _take(data, len(head) + size, raw=raw)[0][len(head) :]
+            return _claimed(_take(rest, size, raw=raw)[0])
+        return _claimed(_take(data, len(head) + size, raw=raw)[0][len(head) :])
     count = int(np.frombuffer(_take(data, file.head.itemsize, raw=raw)[0], file.head)[0])
     if not count:
         return b""
@@ -118,6 +122,7 @@ def _content(file: VtkXml, data: bytes, *, raw: bool) -> bytes:
     bodies, _ = _take(rest, sum(packed), raw=raw)
     ends = np.cumsum(packed).tolist()
     sizes = [size] * (count - 1) + [last or size]
+    read_limit.claim(sum(sizes), "an array")
     try:
         blocks = [
             file.unpack(bodies[end - length : end], wanted)
@@ -128,6 +133,12 @@ def _content(file: VtkXml, data: bytes, *, raw: bool) -> bytes:
     if [len(block) for block in blocks] != sizes:
         raise InputError("has a packed block of another length than it says")
     return b"".join(blocks)
+
+
+def _claimed(content: bytes) -> bytes:
+    """The bytes of an array, which others may have too: what is appended may be named any number of times."""
+    read_limit.claim(len(content), "an array")
+    return content
 
 
 def _take(data: bytes, size: int, *, raw: bool) -> tuple[bytes, bytes]:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io import read_limit
 from wct_plugin.io.raw_mesh import RawBlock
 from wct_plugin.mesh import cell_kinds
 from wct_plugin.types import Ints
@@ -62,7 +63,9 @@ def blocks(
     data: dict[str, list[NDArray[Any] | None]] = {name: [] for name in cell_data}
     for kind, cells, owner in _pieces(types, starts, connectivity):
         made.append(RawBlock(kind, cells.astype(np.int64)))
+        more = len(owner) - len(np.unique(owner))
         for name, values in cell_data.items():
+            read_limit.claim(more * (values.nbytes // max(len(values), 1)), f"cell data {name!r} of parts of cells")
             data[name].append(values[owner])
     return made, data
 

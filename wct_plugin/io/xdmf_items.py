@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
-from wct_plugin.io import hdf5
+from wct_plugin.io import hdf5, read_limit
 from wct_plugin.io.companions import companion
 from wct_plugin.io.text_lines import numbers_of_type, whole_number
 
@@ -18,6 +18,8 @@ _KINDS = {"int": "i", "uint": "u", "float": "f", "char": "i", "uchar": "u", "sho
 #: Bytes of a number where the file does not say.
 _BYTES = {"int": 4, "uint": 4, "float": 4, "char": 1, "uchar": 1, "short": 2, "ushort": 2}
 _STEP = re.compile(r"(?P<name>\*|\w+)(?P<conditions>(\[[^]]*\])*)")
+#: A step goes on to the next slash that is in no brackets; quotes in these may hold anything.
+_STEPS = re.compile(r"(?:[^/\[]|\[(?:[^]'\"]|'[^']*'|\"[^\"]*\")*+\])++")
 _CONDITION = re.compile(
     r"\[\s*(?:(?P<place>\d+)|@(?P<key>\w+)\s*=\s*(?P<q>[\"'])(?P<value>.*?)(?P=q)|(?P<self>self::.*?))\s*\]"
 )
@@ -88,6 +90,7 @@ class XdmfFile:
             case "XML":
                 dtype = _dtype(item)
                 array = numbers_of_type(text.encode(), dtype)
+                read_limit.claim(array.nbytes, "a DataItem")
             case "BINARY":
                 array = self._from_bytes(text, item)
             case other:
@@ -102,12 +105,11 @@ class XdmfFile:
         if not colon:
             raise InputError(f"has the DataItem {text[:60]!r}; expected FILE:/PATH")
         path = companion(self.path, name)
-        with hdf5.opened(path) as file:
+        with hdf5.opened(path, links=True) as file:
+            if hdf5.leads_out(file, inside):
+                raise InputError(f"names {inside!r} in {name}, which is kept in another file")
             if inside not in file:
                 raise InputError(f"names {inside!r} in {name}, where there is nothing")
-            data = file[inside]
-            if Path(data.file.filename) != path or getattr(data, "external", None):
-                raise InputError(f"names {inside!r} in {name}, which is kept in another file")
             array = hdf5.array(file, inside)
         return array.astype(array.dtype.newbyteorder("="))
 
@@ -117,7 +119,9 @@ class XdmfFile:
         path = companion(self.path, text)
         with path.open("rb") as file:
             file.seek(max(whole_number(item.get("Seek", "0"), "Seek"), 0))
-            content = file.read(min(prod(_shape(item)) * dtype.itemsize, path.stat().st_size))
+            size = min(prod(_shape(item)) * dtype.itemsize, path.stat().st_size)
+            read_limit.claim(size, "a DataItem")
+            content = file.read(size)
         array = np.frombuffer(content[: len(content) // dtype.itemsize * dtype.itemsize], dtype)
         return array.astype(dtype.newbyteorder("="))
 
@@ -168,7 +172,7 @@ def _dtype(item: ET.Element) -> np.dtype[Any]:
 
 def _steps(path: str) -> list[str]:
     """The steps of a path; a slash in brackets or quotes parts nothing."""
-    return [step for step in re.findall(r"(?:\[(?:'[^']*'|\"[^\"]*\"|[^]])*\]|[^/\[])+", path) if step.strip()]
+    return [step for step in _STEPS.findall(path) if step.strip()]
 
 
 def _follow(here: list[ET.Element], step: str) -> list[ET.Element]:

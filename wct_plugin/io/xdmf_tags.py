@@ -5,11 +5,13 @@ tags lists the cells or facets it speaks of, in an order of its own, with one at
 """
 
 from dataclasses import dataclass, field
+from math import prod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.io import read_limit
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 #: The name that tags get, of cells and facets alike.
@@ -66,7 +68,9 @@ class _Kind:
             given = [array for array in (old, values) if array is not None]
             dtype = np.result_type(*given)
             fill: Any = np.nan if dtype.kind == "f" else 0
-            column = np.full((len(self.cells), *given[0].shape[1:]), fill, dtype=dtype)
+            shape = (len(self.cells), *given[0].shape[1:])
+            read_limit.claim_more(prod(shape) * dtype.itemsize, sum(one.nbytes for one in given), f"array {name!r}")
+            column = np.full(shape, fill, dtype=dtype)
             if old is not None:
                 column[:before] = old
             if values is not None:

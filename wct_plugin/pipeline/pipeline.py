@@ -73,20 +73,22 @@ class Pipeline:
         targets: Iterable[str | Path] = (),
         *,
         regions: Regions = None,
+        max_bytes: int | None = None,
         input_format: str | None = None,
         output_format: str | None = None,
     ) -> "Pipeline":
         """The pipeline with a reader of ``source``, a file or mesh, before it and writers of ``targets`` behind it.
 
-        ``regions``: names of the array or sets that are the regions, as of :func:`wct_plugin.read`. The formats are
-        suffixes, of files whose names do not tell them.
+        ``regions``: names of the array or sets that are the regions, and ``max_bytes`` as of :func:`wct_plugin.read`.
+        The formats are suffixes, of files whose names do not tell them.
         """
         if self.steps and not self.is_open:
             given = source if isinstance(source, str | Path) else called(source)
             raise OptionError(f"{label(self.steps, 0)}: needs no input; only filters that take a mesh can have {given}")
         written = {} if output_format is None else {"format": output_format}
         ends = [Step(find_stage(writer_type(str(target)))(filename=target, **written)) for target in targets]
-        return Pipeline((Step(mesh_reader(source, regions, input_format=input_format)), *self.steps, *ends))
+        reader = mesh_reader(source, regions, input_format=input_format, max_bytes=max_bytes)
+        return Pipeline((Step(reader), *self.steps, *ends))
 
     def check(self, kinds: Iterable[Kind] | None = None, *, read: bool = False) -> None:
         """Check everything that can be checked before running: wiring, tags, files, formats and kinds of mesh.

@@ -112,6 +112,11 @@ class SourceOptions(Options):
         None, description="Suffix of the format, as vtu, of a file whose name does not tell it (none: it does)"
     )
     repair: bool = Field(False, description="Drop or mend broken tets: repeated, flat, or with a vertex twice")
+    max_bytes: int | None = Field(
+        None,
+        ge=1,
+        description="Most bytes that packed or declared arrays may become (none: 100 times the files, or 256 MiB)",
+    )
 
     @field_validator("filename", mode="before")
     @classmethod
@@ -126,7 +131,8 @@ class SourceOptions(Options):
     @model_serializer(mode="wrap")
     def _that_counts(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """What the file says by itself is no option that counts."""
-        return {name: value for name, value in dump(self).items() if name != "regions" or value is not None}
+        unset = ("regions", "max_bytes")
+        return {name: value for name, value in dump(self).items() if name not in unset or value is not None}
 
 
 class ReadMesh(Reader[SourceOptions]):
@@ -155,7 +161,13 @@ class ReadMesh(Reader[SourceOptions]):
         if not isinstance(given, str):
             return given
         wanted = self.options
-        return read(given, suffix=wanted.format, regions=wanted.regions, repair=wanted.repair)
+        return read(
+            given,
+            suffix=wanted.format,
+            regions=wanted.regions,
+            repair=wanted.repair,
+            max_bytes=wanted.max_bytes,
+        )
 
 
 class TargetOptions(FileOptions):
@@ -370,13 +382,20 @@ ENDS: Mapping[str, type[Reader[Options]] | type[Writer[Options]]] = {
 
 
 def mesh_reader(
-    source: Any, regions: Regions = None, *, input_format: str | None = None, repair: bool = False
+    source: Any,
+    regions: Regions = None,
+    *,
+    input_format: str | None = None,
+    repair: bool = False,
+    max_bytes: int | None = None,
 ) -> ReadMesh:
     """The reader of a mesh or file, with those options that are given."""
     options: dict[str, Any] = {} if input_format is None else {"format": input_format}
     if regions is not None:
         options["regions"] = regions if isinstance(regions, str) else list(regions)
-    return ReadMesh(filename=source, **options, **({"repair": True} if repair else {}))
+    options |= {"repair": True} if repair else {}
+    options |= {} if max_bytes is None else {"max_bytes": max_bytes}
+    return ReadMesh(filename=source, **options)
 
 
 def writer_type(filename: str) -> str:

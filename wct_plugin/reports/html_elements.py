@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import NewType
 
+from wct_plugin.reports.printable import printable
+
 #: Markup, every piece of foreign text in it escaped.
 Html = NewType("Html", str)
 
@@ -80,7 +82,7 @@ _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 def page(title: str, body: Iterable[Html]) -> str:
     """A whole page; ``body`` are its parts, after the heading."""
-    return (
+    return printable(
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         f"<title>{escape(title)}</title>"

@@ -34,6 +34,10 @@ _ALLOWED = {
     _POINT: "a list of 3 numbers",
     _MATRIX: "a list of 4 lists of 4 numbers",
 }
+#: Parameters that name a file, which the filter reads or writes; one without folders is in a temporary folder.
+_FILES = ("textname", "texturename", "csvfilename")
+#: Filters that send the mesh elsewhere.
+_SENDING = ("export_mesh_to_sketchfab",)
 #: Display names that MeshLab and pymeshlab have changed since pymeshlab's own list of old names was written.
 _RENAMED = {
     "alpha_wrap": "generate_alpha_wrap",
@@ -66,6 +70,8 @@ class Catalogue:
         name: str = step["filter"]
         known = {_spelled(old): new for old, new in _old_names().items()} if step["from_script"] else {}
         found = known.get(_spelled(name)) if step["from_script"] else name
+        if step["from_script"] and found in _SENDING:
+            raise OptionError(f"{step['where']}: sends the mesh to a server, which no script may ask for")
         if found in self.filters:
             return found
         near = difflib.get_close_matches(_spelled(name), [*known, *self.filters], 1)
@@ -98,6 +104,10 @@ class Catalogue:
             except (TypeError, ValueError, OverflowError) as error:
                 allowed = _ALLOWED.get(kind, "nothing: pymeshlab cannot set it")
                 raise OptionError(f"{where} is {_shown(value)}; allowed is {allowed}") from error
+            if step["from_script"] and key in _FILES and set("/\\") & set(out[key]):
+                raise OptionError(
+                    f"{where} is {_shown(value)}; allowed in a script is the name of a file without folders"
+                )
             _check(name, key, out[key], kind, probes, f"{where} is {_shown(value)}")
         return out
 

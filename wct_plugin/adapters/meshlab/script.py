@@ -3,11 +3,20 @@
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 from wct_plugin.errors import InputError
 
 #: Attributes that hold the value of a ``Param`` with several numbers, in their order.
 _ROWS = (("x", "y", "z"), ("r", "g", "b", "a"), tuple(f"val{k}" for k in range(16)))
+
+
+class _EntityError(Exception):
+    """The script declares an entity, by which a few bytes can stand for gigabytes."""
+
+
+def _refuse_entity(*declared: Any) -> None:
+    raise _EntityError(repr(declared[0]))
 
 
 def read(path: Path) -> list[tuple[str, dict[str, Any]]]:
@@ -21,10 +30,21 @@ def read(path: Path) -> list[tuple[str, dict[str, Any]]]:
         For a file that is missing, is not XML, is not a filter script, or has no filter.
     """
     try:
-        root = ElementTree.fromstring(path.read_bytes())
+        content = path.read_bytes()
+        looking = expat.ParserCreate()
+        looking.EntityDeclHandler = _refuse_entity
+        looking.Parse(content, True)
+        root = ElementTree.fromstring(content)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from error
-    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the latter two of an unknown encoding
+    except _EntityError as error:
+        raise InputError(f"{path}: declares the XML entity {error}; allowed are scripts without") from error
+    except (
+        ElementTree.ParseError,
+        expat.ExpatError,
+        LookupError,
+        ValueError,
+    ) as error:  # the latter two of an unknown encoding
         raise InputError(f"{path}: is not XML: {error}") from error
     if root.tag != "FilterScript":
         raise InputError(f"{path}: its root is <{root.tag}>; MeshLab's filter scripts have <FilterScript>")
