@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, Literal
 
 from rich.console import Console, ConsoleOptions, ConsoleRenderable, RenderableType, RenderHook, RenderResult
 from rich.control import Control
@@ -73,7 +73,9 @@ class _Stderr(Console):
 
 
 def _console(kind: type[Console], stream: Any, **settings: Any) -> Console:
-    colors = None if os.environ.get("NO_COLOR") else "auto"  # rich itself would still print bold without
+    colors: Literal["auto"] | None = (
+        None if os.environ.get("NO_COLOR") else "auto"
+    )  # rich itself would still print bold without
     made = kind(highlight=False, markup=False, emoji=False, width=_width(stream), color_system=colors, **settings)
     made.push_render_hook(_OnlyPrintable())
     return made

@@ -60,6 +60,7 @@ class _Bar(ProgressBar):
 
     def __init__(self, standing: Standing) -> None:
         self._standing = standing
+        times = TextColumn("{task.description}", markup=False)
         super().__init__(
             BarColumn(),
             TextColumn("{task.description}", markup=False),
