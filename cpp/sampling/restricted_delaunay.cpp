@@ -5,6 +5,7 @@
 #include "sampling/sheets.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -51,10 +52,28 @@ bool reaches_along(const Cloud &cloud, const domain::Reference &reference, const
     });
 }
 
+/// Of a tet on curved patches, the facets whose corners share none: bits by the corner opposite. On the boundary they
+/// hide a crease, as a rim where the regions on a smooth side meet.
+unsigned hiding_facets(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {
+    if (!std::all_of(tet.begin(), tet.end(), [&](int v) { return on_curved(cloud, reference, v); }))
+        return 0;
+    unsigned bits = 0;
+    for (int i = 0; i < 4; ++i) {
+        const auto &f = kOutward[i];
+        if (shared_patches(cloud, reference, std::array{tet[f[0]], tet[f[1]], tet[f[2]]}).empty())
+            bits |= 1u << i;
+    }
+    return bits;
+}
+
 /// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
 /// over, or one is, and the point under it that should be on the surface comes to light.
 void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDelaunay &complex) {
-    std::vector<int> candidates;
+    struct Candidate {
+        int tet;
+        unsigned hiding; // the only facets that may be on the boundary, two of them; 0: any
+    };
+    std::vector<Candidate> candidates;
     std::vector<int> open(cloud.count(), 0); // per point: its facets on the boundary
     const auto count = [&](int t, int i, int change) {
         for (const int v : complex.facet(t, i))
@@ -64,22 +83,30 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
         for (int i = 0; i < 4; ++i)
             if (complex.region[t] >= 0 && complex.beyond(t, i) < 0)
                 count(t, i, 1);
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
-        if (const auto &tet = complex.all.tets[t];
-            complex.region[t] >= 0 &&
-            std::none_of(tet.begin(), tet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) &&
-            flatness(cloud.points, tet) < kSliver &&
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t) {
+        const auto &tet = complex.all.tets[t];
+        if (complex.region[t] < 0 ||
+            std::any_of(tet.begin(), tet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }))
+            continue;
+        if (flatness(cloud.points, tet) < kSliver &&
             (share_curved_patch(cloud, reference, tet) || reaches_along(cloud, reference, tet)))
-            candidates.push_back(t);
+            candidates.push_back({t, 0});
+        else if (const unsigned hiding = hiding_facets(cloud, reference, tet); std::popcount(hiding) > 1)
+            candidates.push_back({t, hiding});
+    }
     for (bool again = true; again;) { // tets that were covered may lie open now
         again = false;
-        for (int &t : candidates) {
+        for (auto &[t, hiding] : candidates) {
             int outside = 0, facet = -1;
+            unsigned bits = 0;
             for (int i = 0; i < 4; ++i)
                 if (complex.beyond(t, i) < 0) {
                     ++outside;
                     facet = i;
+                    bits |= 1u << i;
                 }
+            if (hiding && (outside != 2 || (bits & ~hiding)))
+                continue;
             if (outside == 0 || (outside == 1 && open[complex.all.tets[t][facet]] > 0))
                 continue;
             for (int i = 0; i < 4; ++i)
@@ -88,7 +115,7 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
             t = -1;
             again = true;
         }
-        std::erase(candidates, -1);
+        std::erase_if(candidates, [](const Candidate &one) { return one.tet < 0; });
     }
 }
 

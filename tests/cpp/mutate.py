@@ -1,0 +1,176 @@
+"""Changes of the operators and predicates, drawn by a seed, and whether the C++ tests notice them.
+
+``python tests/cpp/mutate.py --count 200 --seed 1`` builds a copy of the core with WCT_CHECKS in build/mutants, changes
+one place of it at a time, and writes build/mutants/table.md: what was changed where, and the test that noticed. A
+change that does not compile is drawn again. It takes about half a minute for each on an idle core.
+"""
+
+import argparse
+import random
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cmake
+import ninja
+
+ROOT = Path(__file__).parents[2]
+WORK = ROOT / "build" / "mutants"
+SOURCE = WORK / "source"
+BUILD = WORK / "build"
+
+#: What is changed: a pattern in the code, and what may take its place.
+SWAPS = (
+    (re.compile(r" (<=?|>=?) "), {"<": ("<=", ">"), "<=": ("<", ">"), ">": (">=", "<"), ">=": (">", "<")}),
+    (re.compile(r" (==|!=) "), {"==": ("!=",), "!=": ("==",)}),
+    (re.compile(r" ([-+*]) "), {"+": ("-",), "-": ("+",), "*": ("+",)}),
+    (re.compile(r" ([-+]=) "), {"+=": ("-=",), "-=": ("+=",)}),
+    (re.compile(r" (&&|\|\|) "), {"&&": ("||",), "||": ("&&",)}),
+    (re.compile(r"\b(true|false)\b"), {"true": ("false",), "false": ("true",)}),
+)
+_CONSTANT = re.compile(r"(?<![\w.])(\d+)(?![\w.'])")
+_CONDITION = re.compile(r"^\s*(?:\} else )?if \(")
+#: Bytes that a build or a run may take: a changed loop may never end.
+_MEMORY = 4 << 30
+#: Lines without work: comments, directives, declarations of templates, checks that only this build has.
+_IDLE = re.compile(r"^\s*(//|///|#|template|namespace|using|WCT_)|^\s*$")
+
+
+@dataclass(frozen=True)
+class Change:
+    """One place, by line (from 0) and columns, and the text that takes its place."""
+
+    path: Path
+    line: int
+    start: int
+    end: int
+    text: str
+
+    def applied(self, lines: list[str]) -> str:
+        line = lines[self.line]
+        changed = line[: self.start] + self.text + line[self.end :]
+        return "\n".join([*lines[: self.line], changed, *lines[self.line + 1 :]])
+
+    def described(self, lines: list[str]) -> str:
+        line = lines[self.line]
+        return f"`{line[self.start : self.end]}` to `{self.text}` in `{line.strip()}`".replace("|", "\\|")
+
+
+def condition_of(line: str) -> tuple[int, int] | None:
+    """The columns of what stands in the parentheses of an ``if``, where they close on the same line."""
+    found = _CONDITION.match(line)
+    if not found:
+        return None
+    depth = 1
+    for column in range(found.end(), len(line)):
+        depth += {"(": 1, ")": -1}.get(line[column], 0)
+        if depth == 0:
+            return found.end(), column
+    return None
+
+
+def changes_of(path: Path) -> Iterator[Change]:
+    for number, line in enumerate(path.read_text(encoding="utf-8").split("\n")):
+        code = line.split(" //")[0]
+        if _IDLE.match(code):
+            continue
+        for pattern, others in SWAPS:
+            for found in pattern.finditer(code):
+                for text in others[found[1]]:
+                    yield Change(path, number, found.start(1), found.end(1), text)
+        for found in _CONSTANT.finditer(code):
+            yield Change(path, number, found.start(1), found.end(1), str(int(found[1]) + 1))
+        condition = condition_of(code)
+        if condition:
+            start, end = condition
+            if ";" not in code[start:end]:
+                yield Change(path, number, start, end, f"!({code[start:end]})")
+                yield Change(path, number, start, end, "false")
+
+
+def command(*words: str | Path, timeout: float | None = None) -> tuple[int, str]:
+    """Exit status, -1 where it took too long, and what was said."""
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=timeout, errors="replace")
+    except subprocess.TimeoutExpired:
+        return -1, ""
+    return done.returncode, done.stdout + done.stderr
+
+
+def build() -> bool:
+    return command(Path(cmake.CMAKE_BIN_DIR) / "cmake", "--build", BUILD, "--target", "wct_tests")[0] == 0
+
+
+def verdict(timeout: float) -> str:
+    """The test that notices, empty where none does."""
+    code, said = command(BUILD / "tests" / "cpp" / "wct_tests", "--abort-after=1", timeout=timeout)
+    if code == 0:
+        return ""
+    if code == -1:
+        return "takes too long"
+    found = re.search(r"TEST CASE:\s*(.*)", said)
+    return found[1] if found else f"ends with {code}"
+
+
+def prepare() -> float:
+    """A copy that passes; the seconds that its tests take."""
+    shutil.rmtree(SOURCE, ignore_errors=True)
+    for folder in ("cpp", "tests/cpp"):
+        shutil.copytree(ROOT / folder, SOURCE / folder)
+    shutil.copy(ROOT / "CMakeLists.txt", SOURCE)
+    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    options = ["-DWCT_TESTS=ON", "-DWCT_CHECKS=ON", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -DWCT_BASELINE"]
+    maker = f"-DCMAKE_MAKE_PROGRAM={Path(ninja.BIN_DIR) / 'ninja'}"
+    tool = Path(cmake.CMAKE_BIN_DIR) / "cmake"
+    code, said = command(tool, "-S", SOURCE, "-B", BUILD, "-G", "Ninja", maker, *options, *launcher)
+    if code or not build():
+        sys.exit(f"the core does not build\n{said[-4000:]}")
+    began = time.monotonic()
+    noticed = verdict(timeout=3600.0)
+    if noticed:
+        sys.exit(f"without any change this test fails: {noticed}")
+    return time.monotonic() - began
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--count", type=int, default=200, help="changes that compile")
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args()
+    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+    seconds = prepare()
+    files = [*sorted((SOURCE / "cpp" / "search").glob("*.cpp")), SOURCE / "cpp" / "geometry" / "predicates.cpp"]
+    drawn = [change for path in files if path.name != "checks.cpp" for change in changes_of(path)]
+    random.Random(asked.seed).shuffle(drawn)
+    rows: list[str] = []
+    killed = 0
+    for change in drawn:
+        if len(rows) == asked.count:
+            break
+        original = change.path.read_text(encoding="utf-8")
+        lines = original.split("\n")
+        change.path.write_text(change.applied(lines), encoding="utf-8")
+        try:
+            if not build():
+                continue
+            noticed = verdict(timeout=60.0 + 6.0 * seconds)
+        finally:
+            change.path.write_text(original, encoding="utf-8")
+        killed += bool(noticed)
+        place = f"{change.path.relative_to(SOURCE)}:{change.line + 1}"
+        rows.append(f"| {place} | {change.described(lines)} | {noticed or '**survives**'} |")
+        head = f"{killed} of {len(rows)} changes are noticed (seed {asked.seed}, {len(drawn)} places).\n\n"
+        table = head + "| place | change | noticed by |\n|---|---|---|\n" + "\n".join(rows) + "\n"
+        (WORK / "table.md").write_text(table, encoding="utf-8")
+        sys.stderr.write(rows[-1] + "\n")
+    sys.stderr.write(f"{killed} of {len(rows)} noticed: {WORK / 'table.md'}\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,80 @@
+#include "sampling/restricted_delaunay.h"
+
+#include "support/bodies.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace wct::tests {
+
+namespace {
+
+/// A cylinder cut in two at half its height: there is a rim on its smooth side.
+Body drum() {
+    const Body whole = cylinder(4, 0.0, 1);
+    std::vector<int> regions;
+    for (const Tet &tet : whole.tets) {
+        double z = 0.0;
+        for (const int v : tet)
+            z += 0.25 * whole.points[v].z;
+        regions.push_back(z < 0.5);
+    }
+    return stratified(whole.points, whole.tets, regions, [](const Vec3 &, const Vec3 &normal) {
+        return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
+    });
+}
+
+/// Is the edge on the boundary of the complex?
+bool on_boundary(const sampling::RestrictedDelaunay &complex, int a, int b) {
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            if (complex.region[t] >= 0 && complex.beyond(t, i) < 0) {
+                const auto f = complex.facet(t, i);
+                if (std::count(f.begin(), f.end(), a) && std::count(f.begin(), f.end(), b))
+                    return true;
+            }
+    return false;
+}
+
+} // namespace
+
+TEST_CASE("Restricted Delaunay: tets that hide a rim are taken off") {
+    const Body body = drum();
+    const domain::Reference reference(body.surface());
+    const domain::InputMesh mesh = body.mesh();
+    const domain::RegionMap map(mesh, reference);
+    const int rim = [&] {
+        for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c)
+            if (reference.patches_at_curve(c).size() == 3)
+                return c;
+        return -1;
+    }();
+    REQUIRE(rim >= 0);
+    // Two points of the rim, far apart, and between them two of the sides above and below, joined outside of the chord.
+    sampling::Cloud cloud;
+    const auto add = [&](const Vec3 &p, Stratum role) {
+        const domain::Foot foot = reference.nearest(p);
+        const int label = role == Stratum::crease  ? rim
+                          : role == Stratum::patch ? body.patch[foot.triangle]
+                                                   : (p.z < 0.5 ? 1 : 0);
+        cloud.add(role == Stratum::patch ? foot.point : p, role, label, 0.3);
+    };
+    const double turn = 0.3;
+    add({std::cos(turn), std::sin(turn), 0.5}, Stratum::crease);
+    add({std::cos(turn), -std::sin(turn), 0.5}, Stratum::crease);
+    add({1.0, 0.0, 0.78}, Stratum::patch);
+    add({1.0, 0.0, 0.22}, Stratum::patch);
+    add({0.4, 0.0, 0.75}, Stratum::interior);
+    add({0.4, 0.0, 0.25}, Stratum::interior);
+    const auto all = sampling::labelled_delaunay(cloud, map, Workers(1));
+    const auto peeled = sampling::restricted_delaunay(cloud, reference, map, Workers(1));
+    CHECK_FALSE(on_boundary(all, 0, 1));
+    CHECK(on_boundary(all, 2, 3));
+    CHECK(on_boundary(peeled, 0, 1));
+    CHECK_FALSE(on_boundary(peeled, 2, 3));
+}
+
+} // namespace wct::tests
