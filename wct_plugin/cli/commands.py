@@ -7,6 +7,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from wct_plugin.cli.messages import be_quiet
+from wct_plugin.cli.save_case import save_case_option
 
 
 class Listed(NamedTuple):
@@ -86,7 +87,7 @@ def _quiet(context: click.Context, _: click.Parameter, value: bool) -> None:
 
 def with_comfort(command: click.Command, example: str) -> click.Command:
     """The command, with what all have in common."""
-    command.params.append(quiet_option())
+    command.params += [quiet_option(), save_case_option()]
     for param in command.params:
         if param.metavar in _FILES and type(param.type) is type(click.STRING):
             param.type = click.Path(allow_dash=True)
