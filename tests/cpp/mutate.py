@@ -17,8 +17,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import cmake
 import ninja
+
+import cmake
 
 ROOT = Path(__file__).parents[2]
 WORK = ROOT / "build" / "mutants"

@@ -7,6 +7,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from wct_plugin.cli.messages import be_quiet, be_verbose
+from wct_plugin.cli.save_case import save_case_option
 
 
 class Listed(NamedTuple):
@@ -102,7 +103,7 @@ def _quiet(context: click.Context, _: click.Parameter, value: bool) -> None:
 
 def with_comfort(command: click.Command, example: str) -> click.Command:
     """The command, with what all have in common."""
-    command.params += [quiet_option(), verbose_option()]
+    command.params += [quiet_option(), verbose_option(), save_case_option()]
     for param in command.params:
         if param.metavar in _FILES and type(param.type) is type(click.STRING):
             param.type = click.Path(allow_dash=True)

@@ -16,6 +16,7 @@ from wct_plugin.cli.closed_streams import flushed, open_closed_streams
 from wct_plugin.cli.commands import Commands
 from wct_plugin.cli.interrupt import raise_on_sigterm
 from wct_plugin.cli.messages import FAILED, GOAL_MET, fail, show_warning, showing_notes
+from wct_plugin.cli.save_case import Case, noting_case
 from wct_plugin.errors import InternalError, WctError, WctWarning, one_line
 from wct_plugin.io import atomic_files
 from wct_plugin.io.standard_streams import ReaderGoneError
@@ -29,7 +30,7 @@ def cli() -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code; errors are printed as one line, with what was written before."""
-    with atomic_files.noting() as written:
+    with atomic_files.noting() as written, noting_case() as case:
         try:
             with warnings.catch_warnings(), showing_notes():
                 warnings.simplefilter("ignore")  # other packages' warnings are for programmers
@@ -42,7 +43,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         except click.ClickException as error:
             message = error.format_message()
         except InternalError as error:
-            message = _crash(error)
+            message = _crash(error, case, arguments)
         except ReaderGoneError:  # who has read enough, as head does, wants no message
             return FAILED
         except WctError as error:
@@ -52,18 +53,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
         except MemoryError as error:
             message = one_line(error)
         except Exception as error:
-            message = _crash(error)
+            message = _crash(error, case, arguments)
         else:
             return code if isinstance(code, int) else GOAL_MET
         before = ", ".join(written.names())
         return fail(f"{message}; written before: {before}" if before else message)
 
 
-def _crash(error: Exception) -> str:
-    """What is said of a bug of ours: still one line, still exit code 2; the traceback on request."""
+def _crash(error: Exception, case: Case, arguments: Sequence[str] | None) -> str:
+    """What is said of a bug of ours: still one line, still exit code 2; the case and the traceback on request."""
+    saved = case.save(error, sys.argv[1:] if arguments is None else arguments)
     if os.environ.get("WCT_TRACEBACK"):
         raise error
-    return f"{one_line(error)} (WCT_TRACEBACK=1 shows where)"
+    return f"{one_line(error)}; {saved} (WCT_TRACEBACK=1 shows where)"
 
 
 def main() -> None:

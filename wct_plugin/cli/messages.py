@@ -73,9 +73,8 @@ class _Stderr(Console):
 
 
 def _console(kind: type[Console], stream: Any, **settings: Any) -> Console:
-    colors: Literal["auto"] | None = (
-        None if os.environ.get("NO_COLOR") else "auto"
-    )  # rich itself would still print bold without
+    # With NO_COLOR rich itself would still print bold.
+    colors: Literal["auto"] | None = None if os.environ.get("NO_COLOR") else "auto"
     made = kind(highlight=False, markup=False, emoji=False, width=_width(stream), color_system=colors, **settings)
     made.push_render_hook(_OnlyPrintable())
     return made

@@ -61,13 +61,7 @@ class _Bar(ProgressBar):
     def __init__(self, standing: Standing) -> None:
         self._standing = standing
         times = TextColumn("{task.description}", markup=False)
-        super().__init__(
-            BarColumn(),
-            TextColumn("{task.description}", markup=False),
-            console=err,
-            transient=True,
-            refresh_per_second=5,
-        )
+        super().__init__(BarColumn(), times, console=err, transient=True, refresh_per_second=5)
         self.add_task("", total=1.0)
 
     def get_renderables(self) -> Iterable[RenderableType]:
