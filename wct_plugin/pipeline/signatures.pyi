@@ -155,6 +155,7 @@ class _Filters:
         *,
         voxels: ArrayLike | str,
         spacing: float | Sequence[float] = 1.0,
+        max_bytes: int | None = None,
         variant: Literal["194", "194_paper", "194_best", "104", "87", "84", "33", "32", "30"] = "194",
         tag: str = "",
     ) -> Pipeline:
@@ -172,6 +173,8 @@ class _Filters:
             Array indexed x, y, z, or its file: .npy, .tif of many pages, or a folder of images, one per z; 0 is empty, other values (true: 1) become regions.
         spacing : float or tuple, default 1.0
             Edge length of a voxel, or three (from the shell x,y,z) as far as the tets stay well-centered.
+        max_bytes : int or None, >= 1, default none
+            Most bytes that images may become (none: 100 times their files, at least 256 MiB).
         variant : 194 | 194_paper | 194_best | 104 | 87 | 84 | 33 | 32 | 30, default 194
             What fills a voxel: a variant of create_cube.
         tag : str
@@ -499,6 +502,7 @@ class _Readers:
         regions: str | Sequence[str] | None = None,
         format: str | None = None,
         repair: bool = False,
+        max_bytes: int | None = None,
     ) -> Pipeline: ...
 
     def mesh(
@@ -508,6 +512,7 @@ class _Readers:
         regions: str | Sequence[str] | None = None,
         format: str | None = None,
         repair: bool = False,
+        max_bytes: int | None = None,
         tag: str = "",
     ) -> Pipeline:
         """Read a surface or tet mesh in any format of :func:`wct_plugin.read`.
@@ -522,6 +527,8 @@ class _Readers:
             Suffix of the format, as vtu, of a file whose name does not tell it (none: it does).
         repair : bool, default False
             Drop or mend broken tets: repeated, flat, or with a vertex twice.
+        max_bytes : int or None, >= 1, default none
+            Most bytes that packed or declared arrays may become (none: 100 times the files, or 256 MiB).
         tag : str
             Name of the stage, for the inputs of others.
         """
@@ -780,6 +787,7 @@ def apply_filter(
     progress: ProgressChoice = None,
     voxels: ArrayLike | str,
     spacing: float | Sequence[float] = 1.0,
+    max_bytes: int | None = None,
     variant: Literal["194", "194_paper", "194_best", "104", "87", "84", "33", "32", "30"] = "194",
 ) -> tuple[TetMesh, Metrics]:
     """Fill every voxel with a well-centered mesh of the cube; neighbours match, so that the whole is well-centered too.
@@ -796,6 +804,8 @@ def apply_filter(
         Array indexed x, y, z, or its file: .npy, .tif of many pages, or a folder of images, one per z; 0 is empty, other values (true: 1) become regions.
     spacing : float or tuple, default 1.0
         Edge length of a voxel, or three (from the shell x,y,z) as far as the tets stay well-centered.
+    max_bytes : int or None, >= 1, default none
+        Most bytes that images may become (none: 100 times their files, at least 256 MiB).
     variant : 194 | 194_paper | 194_best | 104 | 87 | 84 | 33 | 32 | 30, default 194
         What fills a voxel: a variant of create_cube.
     """
