@@ -16,7 +16,7 @@ DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exist
 DEB_TEST := doctest-dev tetgen calculix-ccx chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: demo test bench lint docs clean
+.PHONY: demo test bench kills lint docs clean
 
 demo: $(VENV)/.demo
 	$(BIN)/wct optimize "$$($(BIN)/python -c 'import importlib.util as u; print(u.find_spec("pymeshlab").submodule_search_locations[0])')/tests/sample_meshes/bone.ply" \
@@ -37,6 +37,10 @@ lint: $(VENV)/.test
 	cd build/lint && PYTHONPATH=$$($(abspath $(BIN))/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') \
 		$(abspath $(BIN))/python -S -c 'from importlinter.cli import lint_imports_command; lint_imports_command()' ../../pyproject.toml
 	$(BIN)/python -m pytest -q tests/cpp/test_layers.py
+
+# make kills [COUNT=times that each command is killed]
+kills: $(VENV)/.test
+	$(BIN)/python -m benchmarks.kills $(COUNT)
 
 docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md

@@ -1,5 +1,6 @@
 """What ``wct`` prints of reports, results and filters, as tables; and text files."""
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -37,11 +38,11 @@ def write_text(path: str, text: str) -> None:
 
 def check_apart(sources: Iterable[str], *outputs: str | None) -> None:
     """Refuse an output that would take the place of a source or of another output."""
-    taken = {Path(source).resolve() for source in sources if source != STREAM}
+    taken = {os.path.realpath(source) for source in sources if source != STREAM}
     for path in outputs:
         if path is None:
             continue
-        where = Path(path) if path == STREAM else Path(path).resolve()
+        where = path if path == STREAM else os.path.realpath(path)
         if where in taken:
             raise click.UsageError(f"{path!r} is given twice; an output needs a name of its own")
         taken.add(where)

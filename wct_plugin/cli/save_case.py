@@ -38,7 +38,11 @@ class Case:
         if self.path is None:
             return f"{_FLAG} FILE saves what is needed to find it"
         try:
-            with atomic_files.replacing(self.path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+            with (
+                atomic_files.noting(),  # apart: it is no output of the command
+                atomic_files.replacing(self.path) as temporary,
+                zipfile.ZipFile(temporary, "w") as archive,
+            ):
                 _fill(archive, error, arguments, list(self._opened))
         except Exception as fault:  # the error itself matters more
             return f"its case could not be saved: {one_line(fault)}"

@@ -22,7 +22,7 @@ from wct_plugin.io.gmsh_options import MshOptions
 from wct_plugin.io.meshio_writers import Content, attribute, save
 from wct_plugin.io.periodic_sides import numbered, sides_of
 from wct_plugin.io.standard_streams import STREAM, check_target, to_stdout
-from wct_plugin.io.written_names import as_sets, fitting, with_positive_tags
+from wct_plugin.io.written_names import as_sets, fits_xml, fitting, with_positive_tags
 from wct_plugin.io.written_regions import shared_type, tags_and_arrays
 from wct_plugin.mesh import SurfaceMesh, TetMesh, cell_kinds
 
@@ -350,6 +350,8 @@ def _array(name: str, values: NDArray[Any], form: Format) -> NDArray[Any] | None
             return array.astype(np.float64) if width in (1, 3, 9) and not set('"\n') & set(name) else None
         case "MED":
             return array.astype(np.float64) if "/" not in name else None
+        case "VTU" | "XDMF":
+            return array if fits_xml(name) else None
         case "PLY":
             taken = name in ("x", "y", "z", "vertex_indices", "vertex_index") or name.split() != [name]
             return array if values.ndim == 1 and not taken else None

@@ -1,5 +1,6 @@
 """Which names of tags a format can have, and what becomes of tags where it has names alone."""
 
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,10 @@ from wct_plugin.io.blocks import Block
 from wct_plugin.io.formats import Format
 
 Names = dict[str, tuple[int, int]]  #: tag and dimension
+
+
+#: Characters that no XML file may have, spelled in whatever way.
+_NO_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def fitting(form: Format, blocks: Sequence[Block], names: Mapping[str, tuple[int, int]]) -> Names:
@@ -26,7 +31,13 @@ def fitting(form: Format, blocks: Sequence[Block], names: Mapping[str, tuple[int
                     if of == 2 and tag in there and su2.can_name(name)
                 }
             )
-    return {name: pair for name, pair in names.items() if form.names and not set('"\n\\') & set(name)}
+    able = fits_xml if form.name == "VTU" else bool
+    return {name: pair for name, pair in names.items() if form.names and not set('"\n\\') & set(name) and able(name)}
+
+
+def fits_xml(name: str) -> bool:
+    """Whether XML has all characters of a name: of those that control something it has blanks alone."""
+    return not _NO_XML.search(name)
 
 
 def _one_each(names: Names) -> Names:

@@ -6,7 +6,11 @@
 >>> result.mesh, result.metrics["meshing_well_centered"]["deviation"]  # doctest: +SKIP
 """
 
+<<<<<<< HEAD
 import logging
+=======
+import os
+>>>>>>> hostile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -231,15 +235,15 @@ def _named(steps: Sequence[Step], index: int) -> Iterator[None]:
 def _check_outputs(steps: Sequence[Step]) -> None:
     """Refuse two outputs in one place, and reports and duals in that of an input; a better mesh may replace that."""
     inputs = {
-        Path(step.stage.options.filename).resolve(): index
+        os.path.realpath(step.stage.options.filename): index
         for index, step in enumerate(steps)
         if isinstance(step.stage, ReadMesh) and isinstance(step.stage.options.filename, str)
     }
-    seen: dict[Path, int] = {}
+    seen: dict[str, int] = {}
     for index, step in enumerate(steps):
         if not isinstance(step.stage, Writer):
             continue
-        target = Path(step.stage.filename).resolve()
+        target = os.path.realpath(step.stage.filename)
         if target in seen:
             raise OptionError(f"{label(steps, index)}: {label(steps, seen[target])} writes {step.stage.filename} too")
         if target in inputs and not isinstance(step.stage, WriteMesh):
