@@ -6,11 +6,8 @@
 >>> result.mesh, result.metrics["meshing_well_centered"]["deviation"]  # doctest: +SKIP
 """
 
-<<<<<<< HEAD
 import logging
-=======
 import os
->>>>>>> hostile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
