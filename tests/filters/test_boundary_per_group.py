@@ -1,5 +1,7 @@
 """A boundary that stays in some groups of facets and moves in the others."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.builders import cylinder, jittered_cube, kuhn_cube, two_region_cube
@@ -140,17 +142,18 @@ def test_a_partial_restart_keeps_the_fixed_face(acute, monkeypatch):
     )
     start = search.resampled(own, within, Lengths())
     found = search.run(start, own, within)
-    corner = found["points"][found["tets"]].mean(axis=1).sum(axis=1).argmin()  # beside the face
+    mesh = found.mesh
+    corner = mesh.points[mesh.tets].mean(axis=1).sum(axis=1).argmin()  # beside the face
     again = search.resampled(
         own,
         within,
         Lengths(),
         ShorterEdges.nowhere(),
-        PartialRestart.of({**found, "stuck": np.array([corner])}, 0)._replace(radius=np.array([0.4])),
+        PartialRestart.of(replace(found, stuck=np.array([corner])), 0)._replace(radius=np.array([0.4])),
         1,
     )
     assert held.is_in(again, held.fixed)
-    assert not {tuple(p) for p in again["points"].tolist()} <= {tuple(p) for p in found["points"].tolist()}
+    assert not {tuple(p) for p in again.points.tolist()} <= {tuple(p) for p in mesh.points.tolist()}
 
 
 def test_the_cheap_goals_keep_the_facets_too():

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from support.builders import ball, jittered_cube, kuhn_cube
 
+from wct_plugin.core.domain import StratifiedMesh
 from wct_plugin.errors import WctWarning
 from wct_plugin.mesh import Cells
 from wct_plugin.mesh.strata import find_strata
-from wct_plugin.meshing.transfer import Resampled, carry, locate
+from wct_plugin.meshing.transfer import carry, locate
 
 
 def same_domain(old, new):
@@ -20,10 +21,13 @@ def same_domain(old, new):
         side = {_face(old.points[cell]): label for cell, label in zip(cells, labels, strict=True)}
         return np.array([side[_face(new.points[cell])] for cell in new_cells])
 
-    return of, Resampled(
+    return of, StratifiedMesh(
         new.points,
         new.tets,
         new.regions,
+        mine.stratum,
+        mine.label,
+        np.ones(len(new.points)),
         mine.triangles,
         match(of.triangles, of.patch, mine.triangles),
         mine.segments,

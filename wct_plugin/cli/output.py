@@ -50,7 +50,7 @@ def check_apart(sources: Iterable[str], *outputs: str | None) -> None:
 
 def writes_over(source: str, target: str, *, allowed: bool) -> bool:
     """Whether the output takes the place of the input, which is refused unless it is ``allowed``."""
-    same = STREAM not in (source, target) and Path(source).resolve() == Path(target).resolve()
+    same = STREAM not in (source, target) and os.path.realpath(source) == os.path.realpath(target)
     if same and not allowed:
         raise click.UsageError(f"{target!r} is the input too; --force writes over it")
     return same

@@ -21,7 +21,6 @@ from wct_plugin.errors import one_line
 from wct_plugin.io import atomic_files
 from wct_plugin.io.companions import noting_opened
 from wct_plugin.io.standard_streams import STREAM
-from wct_plugin.pipeline.provenance import environment
 
 _FLAG = "--save-case"
 
@@ -86,6 +85,8 @@ def _wanted(_: click.Context, __: click.Parameter, value: str | None) -> None:
 
 
 def _fill(archive: zipfile.ZipFile, error: BaseException, arguments: Sequence[str], opened: list[Path]) -> None:
+    from wct_plugin.pipeline.provenance import environment  # here: a list of commands should not take NumPy
+
     words = _without_flag(arguments)
     named = [Path(os.path.abspath(_value(word))) for word in words if _value(word)]
     files = _places([file for file in dict.fromkeys([*named, *opened]) if file.is_file()])
