@@ -2,4 +2,6 @@
 
 from wct_plugin.cli.main import main
 
-main()
+
+if __name__ == "__main__":
+    main()
