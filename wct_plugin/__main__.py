@@ -2,6 +2,5 @@
 
 from wct_plugin.cli.main import main
 
-
 if __name__ == "__main__":
     main()
