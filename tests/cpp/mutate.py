@@ -17,9 +17,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import ninja
-
 import cmake
+import ninja
 
 ROOT = Path(__file__).parents[2]
 WORK = ROOT / "build" / "mutants"

@@ -6,9 +6,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import ninja
-
 import cmake
+import ninja
 
 ROOT = Path(__file__).parents[2]
 #: Kept from run to run, so that only what has changed is compiled.
