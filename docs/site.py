@@ -12,8 +12,6 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
-#: Where the sources are, for links that lead out of the documents.
-_SOURCES = "https://github.com/wct-plugin/wct_plugin/blob/main/"
 #: What the page for programs says, in this order.
 _CALLED = (
     "io.reader.read",
@@ -34,7 +32,7 @@ _CALLED = (
     "certify.certificate",
 )
 _ROLE = re.compile(r":(?:class|func|meth|mod|attr|data|exc):<code>~?(?:[\w.]+\.)?(\w+)</code>")
-_LINK = re.compile(r"(\]\()([^)#\s]+)(#[^)\s]*)?(\))")
+_LINK = re.compile(r"\[([^\]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -71,26 +69,24 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def _relinked(found: re.Match[str], source: str, files: Files) -> str:
-    target, anchor = found[2], found[3] or ""
-    if ":" in target:
-        return found[0]
-    here = (ROOT / "docs" / source).parent
-    path = (here / target).resolve()
-    if not path.is_relative_to(ROOT):
+    """A link of the page ``source`` as the site has it; its text alone where it leads to a file that is no page."""
+    text, target, anchor = found[1], found[2], found[3] or ""
+    path = (ROOT / "docs" / source).parent.joinpath(target).resolve()
+    if ":" in target or not path.is_relative_to(ROOT):
         return found[0]
     name = path.relative_to(ROOT).as_posix()
-    depth = "../" * source.count("/")
-    if name == "docs/index.md" or name == "README.md":
-        return f"{found[1]}{depth}index.md{found[4]}"
+    up = "../" * source.count("/")
+    if name in ("docs/index.md", "README.md"):
+        return f"[{text}]({up}index.md)"
     if name == "docs/filters.md":
         of = re.fullmatch("#filters(.+)", anchor)
-        return f"{found[1]}{depth}filters/{of[1] if of else 'index'}.md{found[4]}"
+        return f"[{text}]({up}filters/{of[1] if of else 'index'}.md)"
     if name.startswith("docs/") or files.get_file_from_path(name.removeprefix("docs/")):
         return found[0]
     made = f"examples/{path.stem}.md"
     if name.startswith("examples/") and files.get_file_from_path(made):
-        return f"{found[1]}{depth}{made}{found[4]}"
-    return f"{found[1]}{_SOURCES}{name}{anchor}{found[4]}"
+        return f"[{text}]({up}{made})"
+    return text
 
 
 def _filter_pages() -> dict[str, str]:
@@ -133,8 +129,9 @@ def _plain(text: str) -> str:
 def _home() -> str:
     """The README, as the site's first page."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    text = text.replace("(docs/index.md)", "(gallery.md)").replace("[docs/index.md]", "[the gallery]")
-    return text.replace("(docs/", "(").replace("(CITATION.cff)", f"({_SOURCES}CITATION.cff)")
+    text = text.replace("(docs/index.md)", "(docs/gallery.md)").replace("[docs/index.md]", "[the gallery]")
+    seen_from_docs = re.sub(r"\]\((?!docs/|\w+:)", "](../", text)
+    return seen_from_docs.replace("(docs/", "(")
 
 
 def _reference() -> str:

@@ -1,7 +1,7 @@
 """``filters.apply_coord_well_centering``: move vertices, nothing else."""
 
 from dataclasses import replace
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -12,7 +12,7 @@ from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.meshing import required_cells
 from wct_plugin.obstructions.remaining_tets import list_remaining
-from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.pipeline.stage import FilterStage, OfDiagonal, Options
 from wct_plugin.progress import Progress, ProgressCallback
 from wct_plugin.types import Metrics
 
@@ -26,7 +26,7 @@ class CoordWellCenteringOptions(Options):
     boundary: Literal["fixed", "slide"] = Field(
         "slide", description="fixed: boundary vertices stay; slide: they move on their own patch or crease"
     )
-    tolerance: float | None = Field(
+    tolerance: Annotated[float | None, OfDiagonal] = Field(
         1e-3,
         gt=0,
         le=0.1,

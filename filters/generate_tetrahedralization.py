@@ -1,13 +1,13 @@
 """``filters.generate_tetrahedralization``: from a surface to tetrahedra."""
 
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from wct_plugin.adapters import ftetwild, tetgen
 from wct_plugin.measure.planar import check_not_planar
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.pipeline.stage import FilterStage, OfDiagonal, Options
 from wct_plugin.progress import Progress, ProgressCallback
 from wct_plugin.types import Metrics
 
@@ -24,10 +24,10 @@ class TetrahedralizationOptions(Options):
     mesher: Literal["ftetwild", "tetgen"] = Field(
         "ftetwild", description="fTetWild heals the surface and stays near it; TetGen needs a sound one and keeps it"
     )
-    edge_length: float = Field(
+    edge_length: Annotated[float, OfDiagonal] = Field(
         0.05, gt=0, le=1, description="Target edge length, as a fraction of the diagonal; TetGen: of the largest tet"
     )
-    epsilon: float = Field(
+    epsilon: Annotated[float, OfDiagonal] = Field(
         5e-4,
         gt=0,
         le=0.1,

@@ -1,7 +1,7 @@
 """``filters.meshing_well_centered``: resample, reconnect and move until every tet is well-centered."""
 
 from dataclasses import fields
-from typing import Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator, model_validator
@@ -17,7 +17,7 @@ from wct_plugin.meshing.edge_length import EdgeLength
 from wct_plugin.meshing.well_center import well_center
 from wct_plugin.meshing.well_center_options import LARGEST_TOLERANCE, WellCenterOptions
 from wct_plugin.objects.conversions import as_mesh
-from wct_plugin.pipeline.stage import FilterStage, Options
+from wct_plugin.pipeline.stage import FilterStage, OfDiagonal, Options
 from wct_plugin.progress import ProgressCallback
 from wct_plugin.types import Metrics
 
@@ -38,7 +38,7 @@ class MeshingOptions(Options):
         description="move: resampled; keep: vertices stay, facets may flip or split; fixed: facets stay; or one of them"
         " per group of facets, set or tag, * for the rest: contact=fixed,*=move",
     )
-    tolerance: float | None = Field(
+    tolerance: Annotated[float | None, OfDiagonal] = Field(
         None,
         gt=0,
         le=LARGEST_TOLERANCE,

@@ -5,7 +5,7 @@
 #include "bindings/conform_options.h"
 #include "conform/conform.h"
 
-#include <limits>
+#include <array>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -17,7 +17,7 @@ namespace wct::bindings {
 namespace {
 
 nb::object to_python(const conform::Conformed &found) {
-    search::SearchMesh mesh{
+    search::StratifiedMesh mesh{
         found.points,         found.role,          found.label,           found.size,         found.tets, found.region,
         found.surface.facets, found.surface.patch, found.surface.creases, found.surface.curve};
     for (std::size_t i = 0; i < mesh.label.size(); ++i) // a corner's is its own point, an inner point's its region
@@ -31,7 +31,7 @@ nb::object to_python(const conform::Conformed &found) {
     faults["edges"] = found.faults.edges;
     faults["ties"] = found.faults.ties;
     nb::dict out;
-    out["mesh"] = stratified_mesh_of(mesh);
+    out["mesh"] = object_of(mesh);
     out["origin"] = array_of<std::int64_t>(found.origin);
     out["rounds"] = found.rounds;
     out["intact"] = found.intact;
@@ -42,13 +42,11 @@ nb::object to_python(const conform::Conformed &found) {
 
 nb::object conform(nb::handle of, const Array &sides, double tolerance, nb::handle asked, nb::handle given,
                    const nb::object &progress, unsigned threads) {
-    search::SearchMesh from = search_mesh_of(of, std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
-    domain::SurfaceData surface = surface_of_facets(of, from.points, sides);
+    std::vector<std::array<int, 2>> around = sides_of(sides);
+    search::StratifiedMesh from = mesh_with_surface(of, around);
+    domain::SurfaceData surface = surface_of_facets(from, std::move(around));
     surface.segments = from.creases;
-    surface.curve = numbers_of(attribute<Array>(of, "crease_curve"), surface.segments.size(),
-                               static_cast<std::int64_t>(surface.segments.size()), "crease_curve");
-    if (surface.triangles.empty() || from.tets.empty())
-        throw std::invalid_argument("facets and tets are needed");
+    surface.curve = from.crease_curve;
     if (!(tolerance > 0.0))
         throw std::invalid_argument("tolerance must be positive");
     for (std::size_t v = 0; v < from.stratum.size(); ++v)

@@ -1,6 +1,7 @@
 #include "bindings/domain.h"
 
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -8,8 +9,8 @@ namespace nb = nanobind;
 
 namespace wct::bindings {
 
-search::SearchMesh search_mesh_of(nb::handle mesh, std::int64_t patches, std::int64_t curves) {
-    search::SearchMesh out;
+search::StratifiedMesh stratified_mesh_of(nb::handle mesh, std::size_t patches, std::size_t curves) {
+    search::StratifiedMesh out;
     domain::InputMesh inside = region_mesh_of(mesh);
     out.points = std::move(inside.points);
     out.tets = std::move(inside.tets);
@@ -23,13 +24,15 @@ search::SearchMesh search_mesh_of(nb::handle mesh, std::int64_t patches, std::in
     out.label.assign(label.begin(), label.end());
     out.size = sizes_of(attribute<Array>(mesh, "size"), count, "size");
     out.facets = cells_of<3>(attribute<Array>(mesh, "facets"), count, "facets");
-    out.facet_patch = numbers_of(attribute<Array>(mesh, "facet_patch"), out.facets.size(), patches, "facet_patch");
+    out.facet_patch = numbers_of(attribute<Array>(mesh, "facet_patch"), out.facets.size(),
+                                 static_cast<std::int64_t>(patches), "facet_patch");
     out.creases = cells_of<2>(attribute<Array>(mesh, "creases"), count, "creases");
-    out.crease_curve = numbers_of(attribute<Array>(mesh, "crease_curve"), out.creases.size(), curves, "crease_curve");
+    out.crease_curve = numbers_of(attribute<Array>(mesh, "crease_curve"), out.creases.size(),
+                                  static_cast<std::int64_t>(curves), "crease_curve");
     return out;
 }
 
-nb::object stratified_mesh_of(const search::SearchMesh &mesh) {
+nb::object object_of(const search::StratifiedMesh &mesh) {
     nb::dict out;
     out["points"] = array_of(mesh.points);
     out["tets"] = array_of<std::int64_t>(mesh.tets);
@@ -53,22 +56,27 @@ domain::InputMesh region_mesh_of(nb::handle mesh) {
     return out;
 }
 
-namespace {
-
-void add_sides(const Array &sides, domain::SurfaceData &surface) {
+std::vector<std::array<int, 2>> sides_of(const Array &sides) {
     const auto values = rows<std::int64_t>(sides, 2, "sides");
+    std::vector<std::array<int, 2>> out;
     for (std::size_t i = 0; i < values.size(); i += 2)
-        surface.sides.push_back({static_cast<int>(values[i]), static_cast<int>(values[i + 1])});
+        out.push_back({static_cast<int>(values[i]), static_cast<int>(values[i + 1])});
+    return out;
 }
 
-} // namespace
+search::StratifiedMesh mesh_with_surface(nb::handle mesh, const std::vector<std::array<int, 2>> &sides) {
+    search::StratifiedMesh out = stratified_mesh_of(mesh, sides.size(), attribute<Array>(mesh, "crease_curve").size());
+    if (out.facets.empty() || out.tets.empty())
+        throw std::invalid_argument("facets and tets are needed");
+    return out;
+}
 
 domain::SurfaceData surface_of(nb::handle surface) {
     domain::SurfaceData out;
     out.points = points_of(attribute<Array>(surface, "points"), "points of the surface");
     const std::size_t count = out.points.size();
     out.triangles = cells_of<3>(attribute<Array>(surface, "triangles"), count, "triangles");
-    add_sides(attribute<Array>(surface, "sides"), out);
+    out.sides = sides_of(attribute<Array>(surface, "sides"));
     const std::size_t patches = out.sides.empty() ? out.triangles.size() : out.sides.size();
     out.patch = numbers_of(attribute<Array>(surface, "patch"), out.triangles.size(), static_cast<std::int64_t>(patches),
                            "patch");
@@ -82,13 +90,12 @@ domain::SurfaceData surface_of(nb::handle surface) {
     return out;
 }
 
-domain::SurfaceData surface_of_facets(nb::handle mesh, const std::vector<Vec3> &points, const Array &sides) {
+domain::SurfaceData surface_of_facets(const search::StratifiedMesh &mesh, std::vector<std::array<int, 2>> sides) {
     domain::SurfaceData out;
-    out.points = points;
-    out.triangles = cells_of<3>(attribute<Array>(mesh, "facets"), points.size(), "facets");
-    add_sides(sides, out);
-    out.patch = numbers_of(attribute<Array>(mesh, "facet_patch"), out.triangles.size(),
-                           static_cast<std::int64_t>(out.sides.size()), "facet_patch");
+    out.points = mesh.points;
+    out.triangles = mesh.facets;
+    out.patch = mesh.facet_patch;
+    out.sides = std::move(sides);
     return out;
 }
 

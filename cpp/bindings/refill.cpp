@@ -8,9 +8,11 @@
 
 #include <nanobind/stl/optional.h>
 
+#include <array>
 #include <limits>
 #include <optional>
-#include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace nb = nanobind;
 
@@ -31,19 +33,23 @@ nb::object to_python(const refill::Refilled &interior) {
 
 /// A mesh, and its surface, which has to stay.
 struct Pinned {
-    Pinned(nb::handle of, const Array &sides)
-        : mesh(region_mesh_of(of)), surface(surface_of_facets(of, mesh.points, sides)),
-          edges(cells_of<2>(attribute<Array>(of, "creases"), mesh.points.size(), "creases")) {
-        for (const Stratum stratum : strata_of(attribute<Array>(of, "stratum"), mesh.points.size()))
+    Pinned(nb::handle of, const Array &sides) : Pinned(of, sides_of(sides)) {}
+
+    Pinned(nb::handle of, const std::vector<std::array<int, 2>> &sides) {
+        search::StratifiedMesh given = mesh_with_surface(of, sides);
+        surface = surface_of_facets(given, sides);
+        for (const Stratum stratum : given.stratum)
             stay.push_back(stratum != Stratum::interior);
-        if (surface.triangles.empty() || mesh.tets.empty())
-            throw std::invalid_argument("facets and tets are needed");
+        edges = std::move(given.creases);
+        sizes = std::move(given.size);
+        mesh = {std::move(given.points), std::move(given.tets), std::move(given.region)};
     }
 
     domain::InputMesh mesh;
     domain::SurfaceData surface;
     std::vector<Edge> edges;
     std::vector<char> stay;
+    std::vector<double> sizes;
 };
 
 nb::object refill(nb::handle mesh, const Array &sides, const std::optional<Array> &size, bool cosines,
@@ -71,15 +77,14 @@ nb::object refill(nb::handle mesh, const Array &sides, const std::optional<Array
 
 nb::object conform_inside(nb::handle mesh, const Array &sides, nb::handle asked, const nb::object &progress) {
     const Pinned given(mesh, sides);
-    const std::vector<double> sizes = sizes_of(attribute<Array>(mesh, "size"), given.mesh.points.size(), "size");
     const conform::ConformOptions options = conform_options_of(asked);
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     refill::Refilled interior;
     {
         nb::gil_scoped_release release;
         Monitor monitor(listener);
-        interior = conform::conform_inside(domain::Reference(given.surface), given.mesh, given.stay, given.edges, sizes,
-                                           options, monitor);
+        interior = conform::conform_inside(domain::Reference(given.surface), given.mesh, given.stay, given.edges,
+                                           given.sizes, options, monitor);
     }
     return to_python(interior);
 }

@@ -46,7 +46,7 @@ nb::object to_python(const sampling::Resampled &result, const sampling::SurfaceL
     for (const auto &[name, value] : result.stats)
         stats[name.c_str()] = value;
     nb::dict out;
-    out["mesh"] = stratified_mesh_of(start.mesh);
+    out["mesh"] = object_of(start.mesh);
     out["held"] = array_of<std::int64_t>(held_point);
     out["exposed"] = numbers(result.flaws.exposed);
     out["pinched"] = numbers(result.flaws.pinched);

@@ -1,7 +1,7 @@
 #include "bindings/bindings.h"
 #include "bindings/domain.h"
 #include "search/crease_release.h"
-#include "search/search_mesh.h"
+#include "search/stratified_mesh.h"
 
 #include <nanobind/stl/optional.h>
 
@@ -37,7 +37,7 @@ void expect_piece(std::int64_t label, const std::vector<std::uint8_t> &pieces, c
 nb::object to_python(const search::TetComplex &complex, const search::SearchOutcome &outcome,
                      const std::vector<int> &released) {
     nb::dict out;
-    out["mesh"] = stratified_mesh_of(search::mesh_of(complex));
+    out["mesh"] = object_of(search::mesh_of(complex));
     out["bad"] = outcome.bad;
     out["stuck"] = array_of<std::int64_t>(search::rows_of(complex, outcome.stuck));
     out["passes"] = outcome.passes;
@@ -50,7 +50,7 @@ nb::object to_python(const search::TetComplex &complex, const search::SearchOutc
 }
 
 /// What names a piece of the surface does so, of those there are.
-void expect_pieces(const search::SearchMesh &mesh, const domain::SurfaceData &on) {
+void expect_pieces(const search::StratifiedMesh &mesh, const domain::SurfaceData &on) {
     const std::vector<std::uint8_t> has_patch = pieces(on.patch), has_curve = pieces(on.curve);
     for (const int p : mesh.facet_patch)
         expect_piece(p, has_patch, "facet_patch");
@@ -120,7 +120,7 @@ search::SearchOptions options_of(nb::handle asked, std::size_t patches, std::siz
 }
 
 /// Facets that stay have points that do, and only of such a facet is it known that no tet at it can be good.
-void expect_fixed(const search::SearchMesh &mesh, const search::SearchOptions &options,
+void expect_fixed(const search::StratifiedMesh &mesh, const search::SearchOptions &options,
                   const std::vector<int> &ruled_out) {
     for (std::size_t k = 0; k < mesh.facets.size(); ++k)
         for (const int v : mesh.facets[k])
@@ -135,8 +135,7 @@ void expect_fixed(const search::SearchMesh &mesh, const search::SearchOptions &o
 nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle asked, const nb::object &progress) {
     domain::SurfaceData on = surface_of(surface);
     const std::size_t patches = pieces(on.patch).size(), curves = pieces(on.curve).size();
-    const search::SearchMesh mesh =
-        search_mesh_of(of, static_cast<std::int64_t>(patches), static_cast<std::int64_t>(curves));
+    const search::StratifiedMesh mesh = stratified_mesh_of(of, patches, curves);
     expect_pieces(mesh, on);
     search::expect_conforming(mesh);
     std::vector<int> hopeless;

@@ -68,8 +68,8 @@ std::vector<int> without_dangling_once(std::span<const Vec3> points, const std::
 }
 
 /// Unmark short chains of creases with a free end, again and again.
-void cut_dangling(std::span<const Vec3> points, const TriangleEdges &edges, std::span<const std::uint8_t> pinned,
-                  const std::vector<double> &size, CreaseEdges &creases) {
+void cut_dangling(std::span<const Vec3> points, const geometry::TriangleEdges &edges,
+                  std::span<const std::uint8_t> pinned, const std::vector<double> &size, CreaseEdges &creases) {
     std::vector<int> rows;
     for (std::size_t e = 0; e < edges.count(); ++e)
         if (creases.crease[e])
@@ -84,7 +84,7 @@ void cut_dangling(std::span<const Vec3> points, const TriangleEdges &edges, std:
 }
 
 /// Unmark the edges between a patch of a few triangles and the one larger patch all round it; whether there were any.
-bool wipe_specks(const TriangleEdges &edges, std::size_t triangles, CreaseEdges &creases) {
+bool wipe_specks(const geometry::TriangleEdges &edges, std::size_t triangles, CreaseEdges &creases) {
     const std::vector<int> patch = patches_between(edges, creases.crease, triangles);
     std::vector<int> sizes(triangles, 0);
     for (const int p : patch)
@@ -123,7 +123,7 @@ bool wipe_specks(const TriangleEdges &edges, std::size_t triangles, CreaseEdges 
 
 } // namespace
 
-void drop_noise(std::span<const Vec3> points, std::size_t triangles, const TriangleEdges &edges,
+void drop_noise(std::span<const Vec3> points, std::size_t triangles, const geometry::TriangleEdges &edges,
                 std::span<const std::uint8_t> pinned, CreaseEdges &creases) {
     const std::vector<double> size = local_sizes(points, edges.edges());
     do // a speck may be the end of a crease, and hide another speck
@@ -131,7 +131,7 @@ void drop_noise(std::span<const Vec3> points, std::size_t triangles, const Trian
     while (wipe_specks(edges, triangles, creases));
 }
 
-std::vector<int> patches_between(const TriangleEdges &edges, std::span<const std::uint8_t> crease,
+std::vector<int> patches_between(const geometry::TriangleEdges &edges, std::span<const std::uint8_t> crease,
                                  std::size_t triangles) {
     DisjointSets patches(triangles);
     for (std::size_t e = 0; e < edges.count(); ++e)

@@ -1,8 +1,8 @@
 #include "library/local_search.h"
 
 #include "domain/local_tolerance.h"
+#include "geometry/triangle_edges.h"
 #include "library/surface_lengths.h"
-#include "library/triangle_edges.h"
 #include "sampling/start.h"
 #include "search/crease_release.h"
 
@@ -77,16 +77,17 @@ LocalSearch::LocalSearch(const Mesh &mesh, const OwnSurface &surface, Tolerance 
     : mesh_(mesh), surface_(surface), tolerance_(std::move(tolerance)), options_(options), listener_(listener),
       workers_(workers_of(options.threads)), limit_(options.max_tets, mesh.cells.tets.size()),
       work_(mesh.cells.tets.size(), options.effort),
-      pinched_(pinched_points(surface.triangles, TriangleEdges(surface.triangles), surface.points.size())) {
+      sheets_(
+          geometry::sheets_at(surface.triangles, geometry::TriangleEdges(surface.triangles), surface.points.size())) {
     if (options.edge_length)
         wanted_.assign(mesh.cells.points.size(), std::ldexp(*options.edge_length, -mesh.unit));
     else
         longest_ = longest_edges(surface);
 }
 
-search::SearchMesh LocalSearch::own_start() const {
+search::StratifiedMesh LocalSearch::own_start() const {
     const Strata &strata = surface_.strata;
-    search::SearchMesh start;
+    search::StratifiedMesh start;
     start.points = mesh_.cells.points;
     start.stratum = strata.stratum;
     start.label = strata.label;
@@ -100,7 +101,7 @@ search::SearchMesh LocalSearch::own_start() const {
     return start;
 }
 
-std::optional<search::SearchMesh> LocalSearch::resampled(const std::vector<domain::SizeLimit> &finer, int attempt) {
+std::optional<search::StratifiedMesh> LocalSearch::resampled(const std::vector<domain::SizeLimit> &finer, int attempt) {
     if (!listener_.resampling(0.0))
         return {};
     sampling::ResampleOptions options;
@@ -125,14 +126,15 @@ std::optional<search::SearchMesh> LocalSearch::resampled(const std::vector<domai
     work_.add_start(start.mesh.tets.size());
     const auto as_there = [&](int v) { // allowed at corners where sheets of the surface itself touch
         const int row = start.place[v];
-        return start.mesh.stratum[row] == Stratum::corner && pinched_[start.mesh.label[row]] != 0;
+        return start.mesh.stratum[row] == Stratum::corner && sheets_[start.mesh.label[row]] > 1;
     };
     if (!result.intact || !std::all_of(result.flaws.pinched.begin(), result.flaws.pinched.end(), as_there))
         return {};
     return std::move(start.mesh);
 }
 
-Found LocalSearch::run(const search::SearchMesh &start, const std::vector<int> &released, double worth, double part) {
+Found LocalSearch::run(const search::StratifiedMesh &start, const std::vector<int> &released, double worth,
+                       double part) {
     search::expect_conforming(start);
     const OwnSurface on = without(surface_, released);
     search::TetComplex complex = search::complex_of(start);
@@ -170,7 +172,7 @@ Found LocalSearch::run(const search::SearchMesh &start, const std::vector<int> &
     return found;
 }
 
-std::vector<Found> LocalSearch::run_finer(search::SearchMesh start) {
+std::vector<Found> LocalSearch::run_finer(search::StratifiedMesh start) {
     std::vector<Found> tried;
     std::vector<domain::SizeLimit> finer;
     std::vector<int> released; // without which the start was made
@@ -189,7 +191,7 @@ std::vector<Found> LocalSearch::run_finer(search::SearchMesh start) {
         }
         worth = this->worth();
         add_limits(fewest, tried.size(), finer);
-        std::optional<search::SearchMesh> again;
+        std::optional<search::StratifiedMesh> again;
         if (tried.size() <= kFiner)
             again = resampled(finer, static_cast<int>(tried.size()));
         if (listener_.stopped())

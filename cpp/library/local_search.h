@@ -5,7 +5,7 @@
 #include "library/limits.h"
 #include "library/listener.h"
 #include "library/own_surface.h"
-#include "search/search_mesh.h"
+#include "search/stratified_mesh.h"
 
 #include <optional>
 #include <vector>
@@ -14,7 +14,7 @@ namespace wct::library {
 
 /// What a search has led to.
 struct Found {
-    search::SearchMesh mesh;
+    search::StratifiedMesh mesh;
     std::size_t bad = 0;    // tets that miss the goal, or are at facets beyond the tolerance
     std::size_t off = 0;    // facets beyond the tolerance
     std::vector<int> stuck; // the bad tets, by row
@@ -38,14 +38,14 @@ class LocalSearch {
                 Listener &listener);
 
     /// The mesh itself as a start: corners stay where they are.
-    search::SearchMesh own_start() const;
+    search::StratifiedMesh own_start() const;
     /// The relaxed lattice start; none where it does not represent the domain, has too many tets, or was stopped.
-    std::optional<search::SearchMesh> resampled(const std::vector<domain::SizeLimit> &finer, int attempt);
+    std::optional<search::StratifiedMesh> resampled(const std::vector<domain::SizeLimit> &finer, int attempt);
     /// Search from there, without the creases that were released before, for at most this part of the work that is
     /// left. `worth`: evaluations per tet after which kicks may be given up.
-    Found run(const search::SearchMesh &start, const std::vector<int> &released, double worth, double part = 1.0);
+    Found run(const search::StratifiedMesh &start, const std::vector<int> &released, double worth, double part = 1.0);
     /// What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
-    std::vector<Found> run_finer(search::SearchMesh start);
+    std::vector<Found> run_finer(search::StratifiedMesh start);
 
     bool exhausted() const { return work_.left() == 0; }
 
@@ -62,9 +62,9 @@ class LocalSearch {
     Workers workers_;
     TetLimit limit_;
     WorkLimit work_;
-    std::vector<double> wanted_;        // edge length per point of the mesh; empty: its own
-    std::vector<double> longest_;       // edges per point of the surface; empty where others are wanted
-    std::vector<std::uint8_t> pinched_; // per point of the surface
+    std::vector<double> wanted_;  // edge length per point of the mesh; empty: its own
+    std::vector<double> longest_; // edges per point of the surface; empty where others are wanted
+    std::vector<int> sheets_;     // of the surface that meet at each of its points
 };
 
 /// Rows of those with the fewest bad tets first; of equals the last, from which others were tried.

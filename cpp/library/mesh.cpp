@@ -1,11 +1,11 @@
 #include "library/mesh.h"
 
 #include "base/cells.h"
+#include "geometry/box_tree.h"
 #include "geometry/predicates.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -61,20 +61,11 @@ void take_points(const WellCenterInput &input, Mesh &mesh) {
         a = place[a], b = place[b], c = place[c];
 }
 
-double diagonal_of(const std::vector<Vec3> &points) {
-    double low[3], high[3];
-    std::fill_n(low, 3, std::numeric_limits<double>::infinity());
-    std::fill_n(high, 3, -std::numeric_limits<double>::infinity());
-    for (const Vec3 &p : points)
-        for (const auto &[k, x] : {std::pair{0, p.x}, std::pair{1, p.y}, std::pair{2, p.z}}) {
-            low[k] = std::min(low[k], x);
-            high[k] = std::max(high[k], x);
-        }
-    return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-}
-
 void choose_unit(Mesh &mesh) {
-    const double diagonal = diagonal_of(mesh.cells.points);
+    geometry::Box box;
+    for (const Vec3 &p : mesh.cells.points)
+        box.add(p);
+    const double diagonal = box.diagonal();
     if (!(diagonal >= kSmallest && diagonal <= kLargest))
         throw std::invalid_argument(
             "the bounding box's diagonal is not between 1e-90 and 1e90: choose another unit of length");

@@ -1,7 +1,6 @@
 #include "library/own_surface.h"
 
-#include "base/disjoint_sets.h"
-#include "library/triangle_edges.h"
+#include "geometry/triangle_edges.h"
 
 #include <algorithm>
 
@@ -65,16 +64,11 @@ OwnSurface without(const OwnSurface &surface, const std::vector<int> &curves) {
     strata.segments.resize(kept);
     strata.curve.resize(kept);
     strata.soft.resize(kept);
-    DisjointSets patches(out.sides.size());
-    const TriangleEdges edges(out.triangles);
-    for (std::size_t e = 0; e < edges.count(); ++e)
-        if (std::binary_search(gone.begin(), gone.end(), edges.edges()[e])) {
-            const auto [low, high] =
-                std::minmax({patches.find(strata.patch[edges.first(e)]), patches.find(strata.patch[edges.last(e)])});
-            patches.join(high, low); // the smallest stands for all
-        }
+    std::sort(gone.begin(), gone.end());
+    const std::vector<int> becomes =
+        geometry::joined_patches(strata.patch, geometry::TriangleEdges(out.triangles), gone);
     for (int &p : strata.patch)
-        p = patches.find(p);
+        p = becomes[p];
     return out;
 }
 

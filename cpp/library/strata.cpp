@@ -9,8 +9,8 @@ namespace wct::library {
 
 Strata find_strata(std::span<const Vec3> points, const SurfaceFacets &surface, double crease_angle) {
     const std::size_t triangles = surface.triangles.size();
-    const TriangleEdges edges(surface.triangles);
-    const std::vector<double> bend = bend_angles(points, surface.triangles, edges);
+    const geometry::TriangleEdges edges(surface.triangles);
+    const std::vector<double> bend = geometry::bend_angles(points, surface.triangles, edges);
     const double sharp = crease_angle / 180.0 * std::numbers::pi;
     CreaseEdges creases;
     for (std::size_t e = 0; e < edges.count(); ++e) {
@@ -18,7 +18,9 @@ Strata find_strata(std::span<const Vec3> points, const SurfaceFacets &surface, d
         creases.hard.push_back(hard);
         creases.crease.push_back(hard || bend[e] > sharp);
     }
-    std::vector<std::uint8_t> corner = pinched_points(surface.triangles, edges, points.size());
+    std::vector<std::uint8_t> corner;
+    for (const int sheets : geometry::sheets_at(surface.triangles, edges, points.size()))
+        corner.push_back(sheets > 1);
     drop_noise(points, triangles, edges, corner, creases);
 
     Strata out;

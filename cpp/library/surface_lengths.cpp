@@ -1,6 +1,6 @@
 #include "library/surface_lengths.h"
 
-#include "library/triangle_edges.h"
+#include "geometry/triangle_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +74,8 @@ std::vector<Vec3> smooth_normals(const OwnSurface &surface, const Wedges &wedges
 }
 
 /// Per wedge the mean logarithm of the lengths of its edges, smoothed.
-std::vector<double> mean_logs(const Wedges &wedges, const TriangleEdges &edges, const std::vector<double> &logs) {
+std::vector<double> mean_logs(const Wedges &wedges, const geometry::TriangleEdges &edges,
+                              const std::vector<double> &logs) {
     std::vector<double> sum(wedges.count(), 0.0), degree(wedges.count(), 0.0);
     for (std::size_t e = 0; e < edges.count(); ++e)
         for (const int w : edges.edges()[e]) {
@@ -97,7 +98,7 @@ std::vector<double> mean_logs(const Wedges &wedges, const TriangleEdges &edges, 
 
 /// Per wedge the length of edges there: one length on patches where it is the same but for scatter.
 std::vector<double> own_edges(const OwnSurface &surface, const Wedges &wedges) {
-    const TriangleEdges edges(wedges.triangles);
+    const geometry::TriangleEdges edges(wedges.triangles);
     const auto at = [&](int w) { return surface.points[wedges.point[w]]; };
     std::vector<double> logs;
     for (const auto &[a, b] : edges.edges())

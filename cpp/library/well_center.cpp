@@ -67,7 +67,7 @@ WellCenterSurface shown(const OwnSurface &surface, const Mesh &mesh, const std::
 }
 
 /// The surface of a new mesh, with the numbers of the old one.
-WellCenterSurface surface_after(const search::SearchMesh &made, const Mesh &mesh, const OwnSurface &own) {
+WellCenterSurface surface_after(const search::StratifiedMesh &made, const Mesh &mesh, const OwnSurface &own) {
     std::unordered_map<Facet, int, search::KeyHash> patch;
     for (std::size_t k = 0; k < made.facets.size(); ++k)
         patch[search::sorted(made.facets[k][0], made.facets[k][1], made.facets[k][2])] = made.facet_patch[k];
@@ -86,7 +86,7 @@ WellCenterSurface surface_after(const search::SearchMesh &made, const Mesh &mesh
 }
 
 /// Whether each region is the same space as before, as far as its Euler characteristic tells.
-bool same_topology(const Mesh &mesh, const search::SearchMesh &made) {
+bool same_topology(const Mesh &mesh, const search::StratifiedMesh &made) {
     return geometry::euler_characteristics(mesh.cells.tets, mesh.cells.region) ==
            geometry::euler_characteristics(made.tets, made.region);
 }
@@ -126,7 +126,7 @@ class Job {
                            find_tolerance(own_, metrics_.tolerance * own_.diagonal, workers_of(options_.threads)),
                            options_, listener_);
         std::vector<Found> tried;
-        if (std::optional<search::SearchMesh> fresh = search.resampled({}, 0))
+        if (std::optional<search::StratifiedMesh> fresh = search.resampled({}, 0))
             tried = search.run_finer(std::move(*fresh));
         else if (!listener_.stopped() && few_enough(mesh_.cells.tets.size()))
             tried.push_back(search.run(search.own_start(), {}, std::numeric_limits<double>::infinity()));
@@ -175,7 +175,7 @@ class Job {
     }
 
     WellCenterResult made(const Found &one) {
-        const search::SearchMesh &mesh = one.mesh;
+        const search::StratifiedMesh &mesh = one.mesh;
         metrics_.bad_after = count_bad(mesh.points, mesh.tets, options_.goal);
         metrics_.facets_off = one.off;
         metrics_.reached = metrics_.bad_after == 0 && one.off == 0;

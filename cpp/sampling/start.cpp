@@ -6,7 +6,7 @@ Start start_of(const Resampled &result, const SurfaceLabels &surface) {
     const Cloud &cloud = result.cloud;
     const auto &tets = result.complex.all.tets;
     Start start;
-    search::SearchMesh &mesh = start.mesh;
+    search::StratifiedMesh &mesh = start.mesh;
     start.place.assign(cloud.count(), -1);
     for (std::size_t t = 0; t < tets.size(); ++t)
         if (result.complex.region[t] >= 0)

@@ -2,7 +2,7 @@
 
 #include "sampling/resample.h"
 #include "sampling/surface_labels.h"
-#include "search/search_mesh.h"
+#include "search/stratified_mesh.h"
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace wct::sampling {
 
 /// What is inside of a resampled domain: the mesh that a search starts from.
 struct Start {
-    search::SearchMesh mesh;
+    search::StratifiedMesh mesh;
     std::vector<int> place; // per point of the cloud its row in the mesh, -1 where no tet inside has it
 };
 Start start_of(const Resampled &result, const SurfaceLabels &surface);

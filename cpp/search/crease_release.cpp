@@ -1,6 +1,6 @@
 #include "search/crease_release.h"
 
-#include "base/disjoint_sets.h"
+#include "geometry/triangle_edges.h"
 
 #include <algorithm>
 
@@ -9,18 +9,6 @@ namespace wct::search {
 namespace {
 
 constexpr double kReach = 2.5; // from the middle of a bad tet, in sizes: creases so near are released
-
-/// Calls back with every two triangles that follow each other round one of the edges, and that edge.
-template <class Visit> void over_edges(const std::vector<Facet> &triangles, Visit visit) {
-    std::vector<std::pair<Edge, int>> sides;
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (int i = 0; i < 3; ++i)
-            sides.push_back({sorted(triangles[t][i], triangles[t][(i + 1) % 3]), static_cast<int>(t)});
-    std::sort(sides.begin(), sides.end());
-    for (std::size_t k = 1; k < sides.size(); ++k)
-        if (sides[k].first == sides[k - 1].first)
-            visit(sides[k - 1].second, sides[k].second, sides[k].first);
-}
 
 } // namespace
 
@@ -102,44 +90,12 @@ std::vector<int> CreaseRelease::join_patches(const std::vector<std::uint8_t> &go
         if (gone[surface_.curve[s]])
             edges.push_back(sorted(surface_.segments[s][0], surface_.segments[s][1]));
     std::sort(edges.begin(), edges.end());
-    DisjointSets patches(surface_.triangles.size()); // no patch has a greater number
-    over_edges(surface_.triangles, [&](int t, int u, const Edge &edge) {
-        if (!std::binary_search(edges.begin(), edges.end(), edge))
-            return;
-        const auto [low, high] = std::minmax({patches.find(surface_.patch[t]), patches.find(surface_.patch[u])});
-        patches.join(high, low); // the smallest stands for all
-    });
-    std::vector<int> out(surface_.triangles.size());
-    for (std::size_t p = 0; p < out.size(); ++p)
-        out[p] = patches.find(static_cast<int>(p));
-    return out;
-}
-
-std::vector<std::uint8_t> CreaseRelease::whole() const {
-    // Corners of triangles, joined where they share an edge there: a point of one sheet has one set of them.
-    DisjointSets corners(3 * surface_.triangles.size());
-    const auto corner = [&](int t, int v) {
-        const Facet &f = surface_.triangles[t];
-        return 3 * t + static_cast<int>(std::find(f.begin(), f.end(), v) - f.begin());
-    };
-    over_edges(surface_.triangles, [&](int t, int u, const Edge &edge) {
-        for (const int v : edge)
-            corners.join(corner(t, v), corner(u, v));
-    });
-    std::vector<int> sheets(surface_.points.size(), 0);
-    for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
-        for (const int v : surface_.triangles[t]) {
-            const int c = corner(static_cast<int>(t), v);
-            sheets[v] += corners.find(c) == c;
-        }
-    std::vector<std::uint8_t> out(sheets.size());
-    for (std::size_t v = 0; v < out.size(); ++v)
-        out[v] = sheets[v] == 1;
-    return out;
+    return geometry::joined_patches(surface_.patch, geometry::TriangleEdges(surface_.triangles), edges);
 }
 
 void CreaseRelease::relabel(const std::vector<std::uint8_t> &gone, const std::vector<int> &patch_of) {
-    const std::vector<std::uint8_t> one_sheet = whole();
+    const std::vector<int> sheets =
+        geometry::sheets_at(surface_.triangles, geometry::TriangleEdges(surface_.triangles), surface_.points.size());
     std::vector<int> held(complex_.vertex_slots(), 0), freed(complex_.vertex_slots(), 0);
     for (const auto &[edge, curve] : complex_.creases())
         for (const int v : edge)
@@ -152,7 +108,7 @@ void CreaseRelease::relabel(const std::vector<std::uint8_t> &gone, const std::ve
         Vertex vertex = complex_.vertex(v);
         vertex.hint = 0; // patches and curves will be others
         const bool loose_corner =
-            vertex.stratum == Stratum::corner && vertex.label >= 0 && freed[v] && !held[v] && one_sheet[vertex.label];
+            vertex.stratum == Stratum::corner && vertex.label >= 0 && freed[v] && !held[v] && sheets[vertex.label] == 1;
         if ((vertex.stratum == Stratum::crease && gone[vertex.label]) || loose_corner) {
             complex_.surface_at(v, facets);
             vertex.stratum = Stratum::patch;

@@ -45,8 +45,6 @@ class CreaseRelease {
     std::vector<int> join_patches(const std::vector<std::uint8_t> &gone) const;
     /// The complex without those curves.
     void relabel(const std::vector<std::uint8_t> &gone, const std::vector<int> &patch_of);
-    /// By point of the surface: whether one sheet meets there, not several that share no edge.
-    std::vector<std::uint8_t> whole() const;
 
     TetComplex &complex_;
     LoosenedSurface surface_;

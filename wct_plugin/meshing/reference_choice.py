@@ -1,9 +1,11 @@
 """Which surface a resampled boundary follows: the one given, cut along the mesh's tags, or else the mesh's own."""
 
+import warnings
+
 import numpy as np
 
 from wct_plugin.core import _core
-from wct_plugin.errors import NeighbourError
+from wct_plugin.errors import NeighbourError, WctWarning
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.strata import labelled_surface, surface_strata
 from wct_plugin.mesh.triangle_surfaces import areas, bends
@@ -51,6 +53,12 @@ def choose(
         return given_surface(whole, mesh, crease_angle), ""
     cut = _cut(whole, mesh, own, label, crease_angle, apart)
     return (cut, "") if cut else (own, "tags of the mesh change where the surface has no edges to follow")
+
+
+def warn_of_own_facets(reason: str) -> None:
+    """Say that the mesh's own surface is followed, and why."""
+    said = f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}"
+    warnings.warn(said, WctWarning, stacklevel=3)
 
 
 def _cut(

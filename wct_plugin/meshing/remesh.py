@@ -1,14 +1,12 @@
 """The goals 3wc and cwc: the domain resampled, or the mesh itself, and the search from there."""
 
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from wct_plugin.core.domain import StratifiedMesh
 from wct_plugin.core.results import SearchResult
-from wct_plugin.errors import WctWarning
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.planes import PlaneCount
@@ -25,7 +23,7 @@ from wct_plugin.meshing.normalized_mesh import NormalizedMesh, count_bad
 from wct_plugin.meshing.periodic_pairs import Unmatched, warn_unmatched
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
-from wct_plugin.meshing.reference_choice import choose
+from wct_plugin.meshing.reference_choice import choose, warn_of_own_facets
 from wct_plugin.meshing.reference_fit import gap
 from wct_plugin.meshing.released_creases import measure_none, measure_released
 from wct_plugin.meshing.surface_edges import Lengths, longest_edges
@@ -90,7 +88,6 @@ class Followed:
     planes: PlaneCount | None  #: what was put right
     tolerance: float  #: a length, from the surface that was given
     within: Tolerance  #: the same from the surface that is followed, place by place
-    least: LeastTolerance | None  #: where it is smallest
 
     @classmethod
     def of(cls, given: NormalizedMesh, options: WellCenterOptions) -> Self:
@@ -120,27 +117,22 @@ class Followed:
         tolerance = (options.tolerance or followed.auto_tolerance()) * given.diagonal
         near = tolerance
         if surface is not None and reason:
-            warnings.warn(
-                f"the boundary is resampled on the mesh's own facets, not on the reference: {reason}",
-                WctWarning,
-                stacklevel=3,
-            )
+            warn_of_own_facets(reason)
             near -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
         apart = gap(own, surface, near) if surface is not None and followed is not own else 0.0
-        within = find_tolerance(followed, near, apart) if options.local_tolerance else Tolerance(near)
-        least = within.least(followed, given.diagonal, 2.0**given.unit)
-        return cls(given, own, followed, held, straight, put_right, tolerance, within, least)
+        within = _tolerance_of(followed, near, options, apart)
+        return cls(given, own, followed, held, straight, put_right, tolerance, within)
 
     def on_own(self, options: WellCenterOptions) -> "Followed":
         """The same with the mesh's own surface."""
         if self.surface is self.own:
             return self
-        most = self.within.most
-        within = find_tolerance(self.own, most) if options.local_tolerance else Tolerance(most)
-        least = within.least(self.own, self.given.diagonal, 2.0**self.given.unit)
-        return Followed(
-            self.given, self.own, self.own, self.held, self.straight, self.planes, self.tolerance, within, least
-        )
+        return replace(self, surface=self.own, within=_tolerance_of(self.own, self.within.most, options))
+
+    @property
+    def least(self) -> LeastTolerance | None:
+        """Where the tolerance is smallest; None where it is the same everywhere."""
+        return self.within.least(self.surface, self.given.diagonal, 2.0**self.given.unit)
 
     def boundary_is_near(self) -> bool:
         """Whether the mesh's boundary is within the tolerance, both ways; it is where it is followed itself."""
@@ -158,6 +150,11 @@ class Followed:
     def found(self, mesh: TetMesh, measured: Quality, work: Metrics) -> Found:
         """The outcome."""
         return Found(mesh, measured, self.tolerance, work, self.surface)
+
+
+def _tolerance_of(on: Reference, most: float, options: WellCenterOptions, apart: float = 0.0) -> Tolerance:
+    """At most so much, and less in places unless that is not wanted; arguments as of :func:`find_tolerance`."""
+    return find_tolerance(on, most, apart) if options.local_tolerance else Tolerance(most)
 
 
 def _search(

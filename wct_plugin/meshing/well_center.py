@@ -28,6 +28,7 @@ from wct_plugin.meshing.new_mesh_faults import describe_place
 from wct_plugin.meshing.normalized_mesh import NormalizedMesh
 from wct_plugin.meshing.periodic_pairs import PeriodicSurface, Unmatched, warn_unmatched
 from wct_plugin.meshing.reference import Reference, own_boundary
+from wct_plugin.meshing.reference_choice import warn_of_own_facets
 from wct_plugin.meshing.reference_fit import check_near
 from wct_plugin.meshing.remesh import remesh
 from wct_plugin.meshing.well_center_options import LARGEST_TOLERANCE, WellCenterOptions
@@ -220,8 +221,7 @@ class _Work:
         tolerance = (options.tolerance or own.auto_tolerance()) * diagonal
         reference = surface if len(zipped.parts) == 1 else None
         if surface is not reference:
-            said = "the boundary is resampled on the mesh's own facets, not on the reference: bodies share no vertex"
-            warnings.warn(said, WctWarning, stacklevel=3)
+            warn_of_own_facets("bodies share no vertex")
         made: list[TetMesh] = []
         works: list[Metrics] = []
         changed = False

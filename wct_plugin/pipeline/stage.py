@@ -37,8 +37,10 @@ class Options(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-#: How the description of an option says that it is no length.
-_FRACTION = "as a fraction of the"
+class OfDiagonal:
+    """Marks an option, by ``Annotated``, that is a fraction of the bounding box's diagonal, and no length."""
+
+
 #: Pydantic's names of faults of a number out of range.
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
@@ -180,7 +182,7 @@ def parse_options(model: type[Options], values: Mapping[str, Any], owner: str) -
     shown = repr(given) if isinstance(given, str | int | float) else " ".join(reprlib.repr(given).split())
     said = f"{owner}: option {option!r} is {shown}; {message[:1].lower()}{message[1:]}"
     field = model.model_fields.get(option)
-    if field and fault["type"] in _BOUNDS and _FRACTION in (field.description or ""):
+    if field and fault["type"] in _BOUNDS and any(mark is OfDiagonal for mark in field.metadata):
         most = next((float(mark.le) for mark in field.metadata if hasattr(mark, "le")), None)
         raise FractionError(f"{said}: it is a fraction of the bounding box's diagonal", float(given), most)
     raise OptionError(said)

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace wct::library {
+namespace wct::geometry {
 
 /// Every edge of some triangles once, ends ascending, in lexicographic order, and the triangles that have it.
 class TriangleEdges {
@@ -37,8 +37,11 @@ class TriangleEdges {
 std::vector<double> bend_angles(std::span<const Vec3> points, std::span<const Facet> triangles,
                                 const TriangleEdges &edges);
 
-/// Per point whether sheets of the surface touch there that share no edge.
-std::vector<std::uint8_t> pinched_points(std::span<const Facet> triangles, const TriangleEdges &edges,
-                                         std::size_t points);
+/// Per point how many sheets of the surface meet there that share no edge; 0 where no triangle is.
+std::vector<int> sheets_at(std::span<const Facet> triangles, const TriangleEdges &edges, std::size_t points);
 
-} // namespace wct::library
+/// Per patch the one that it becomes where some edges part nothing any more: the smallest of those that they joined.
+/// `gone`: these edges, ends ascending, in lexicographic order.
+std::vector<int> joined_patches(std::span<const int> patch, const TriangleEdges &edges, std::span<const Edge> gone);
+
+} // namespace wct::geometry

@@ -1,11 +1,11 @@
-#include "library/triangle_edges.h"
+#include "geometry/triangle_edges.h"
 
 #include "base/disjoint_sets.h"
 
 #include <algorithm>
 #include <tuple>
 
-namespace wct::library {
+namespace wct::geometry {
 
 TriangleEdges::TriangleEdges(std::span<const Facet> triangles) {
     struct Side {
@@ -46,28 +46,44 @@ std::vector<double> bend_angles(std::span<const Vec3> points, std::span<const Fa
     return out;
 }
 
-std::vector<std::uint8_t> pinched_points(std::span<const Facet> triangles, const TriangleEdges &edges,
-                                         std::size_t points) {
+std::vector<int> sheets_at(std::span<const Facet> triangles, const TriangleEdges &edges, std::size_t points) {
+    // Corners of triangles, joined where they share an edge there: a sheet has one set of them.
     const auto corner = [&](int t, int v) {
         return 3 * t + static_cast<int>(std::find(triangles[t].begin(), triangles[t].end(), v) - triangles[t].begin());
     };
-    DisjointSets sheets(3 * triangles.size());
+    DisjointSets corners(3 * triangles.size());
     for (std::size_t e = 0; e < edges.count(); ++e) {
         const auto owners = edges.owners(e);
         for (std::size_t k = 1; k < owners.size(); ++k)
             for (const int v : edges.edges()[e])
-                sheets.join(corner(owners[k - 1], v), corner(owners[k], v));
+                corners.join(corner(owners[k - 1], v), corner(owners[k], v));
     }
-    std::vector<int> one(points, -1);
-    std::vector<std::uint8_t> pinched(points, 0);
+    std::vector<int> sheets(points, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (int i = 0; i < 3; ++i) {
-            const int v = triangles[t][i], sheet = sheets.find(3 * static_cast<int>(t) + i);
-            if (one[v] < 0)
-                one[v] = sheet;
-            pinched[v] |= one[v] != sheet;
+            const int c = 3 * static_cast<int>(t) + i;
+            sheets[triangles[t][i]] += corners.find(c) == c;
         }
-    return pinched;
+    return sheets;
 }
 
-} // namespace wct::library
+std::vector<int> joined_patches(std::span<const int> patch, const TriangleEdges &edges, std::span<const Edge> gone) {
+    const std::size_t count =
+        patch.empty() ? 0 : static_cast<std::size_t>(*std::max_element(patch.begin(), patch.end())) + 1;
+    DisjointSets patches(count);
+    for (std::size_t e = 0; e < edges.count(); ++e) {
+        if (!std::binary_search(gone.begin(), gone.end(), edges.edges()[e]))
+            continue;
+        const auto owners = edges.owners(e);
+        for (std::size_t k = 1; k < owners.size(); ++k) {
+            const auto [low, high] = std::minmax({patches.find(patch[owners[k - 1]]), patches.find(patch[owners[k]])});
+            patches.join(high, low); // the smallest stands for all
+        }
+    }
+    std::vector<int> out(count);
+    for (std::size_t p = 0; p < count; ++p)
+        out[p] = patches.find(static_cast<int>(p));
+    return out;
+}
+
+} // namespace wct::geometry

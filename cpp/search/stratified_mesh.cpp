@@ -1,4 +1,4 @@
-#include "search/search_mesh.h"
+#include "search/stratified_mesh.h"
 
 #include "geometry/predicates.h"
 #include "search/needle_cosines.h"
@@ -27,7 +27,7 @@ Facet opposite(const Tet &tet, int i) {
 
 } // namespace
 
-void expect_conforming(const SearchMesh &mesh) {
+void expect_conforming(const StratifiedMesh &mesh) {
     const auto &points = mesh.points;
     std::unordered_map<Facet, int, KeyHash> uses;
     std::unordered_set<Edge, KeyHash> edges;
@@ -76,7 +76,7 @@ void expect_kept(const TetComplex &complex) {
             throw std::logic_error("the search lost edge " + text(edge) + " of curve " + std::to_string(curve));
 }
 
-TetComplex complex_of(const SearchMesh &mesh) {
+TetComplex complex_of(const StratifiedMesh &mesh) {
     TetComplex complex;
     const auto needle = needle_cosines(mesh.points, mesh.tets, mesh.region, mesh.creases);
     for (std::size_t v = 0; v < mesh.points.size(); ++v) {
@@ -94,8 +94,8 @@ TetComplex complex_of(const SearchMesh &mesh) {
     return complex;
 }
 
-SearchMesh mesh_of(const TetComplex &complex) {
-    SearchMesh mesh;
+StratifiedMesh mesh_of(const TetComplex &complex) {
+    StratifiedMesh mesh;
     std::vector<int> place(complex.vertex_slots(), -1);
     for (std::size_t k = 0; k < complex.vertex_slots(); ++k) {
         const int v = static_cast<int>(k);
@@ -143,7 +143,7 @@ std::vector<int> rows_of(const TetComplex &complex, const std::vector<int> &slot
     return rows;
 }
 
-double mean_surface_size(const SearchMesh &mesh) {
+double mean_surface_size(const StratifiedMesh &mesh) {
     double sum = 0.0, count = 0.0;
     for (std::size_t v = 0; v < mesh.size.size(); ++v)
         if (mesh.stratum[v] != Stratum::interior) {
