@@ -6,6 +6,7 @@ from scipy.spatial import ConvexHull
 from support.builders import (
     ball,
     cylinder,
+    interleaved_ball,
     jittered_cube,
     kuhn_cube,
     l_shape,
@@ -19,7 +20,7 @@ from support.builders import (
 from wct_plugin.measure.deviation import distances, measure_deviation
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.mesh.strata import PLACES, find_strata, places_of, surface_strata
-from wct_plugin.mesh.triangle_surfaces import enclosed_volume
+from wct_plugin.mesh.triangle_surfaces import enclosed_volume, surface_edges, turned_triangles
 
 
 def summary(found):
@@ -385,3 +386,40 @@ def test_uneven_triangles_do_not_take_millions_of_samples():
     found = measure_deviation(surface, surface)
     assert found.max == pytest.approx(0.0, abs=1e-12)
     assert 1000.0 / np.sqrt(3.0) / 256 < found.error_ab < 10.0
+
+
+def same_ways(triangles, patch):
+    """How many edges between two triangles of a patch both run through the same way."""
+    _, owners, starts, sizes, forward = surface_edges(triangles, int(triangles.max()) + 1)
+    first = starts[sizes == 2]
+    alike = patch[owners[first]] == patch[owners[first + 1]]
+    return int((alike & (forward[first] == forward[first + 1])).sum())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_patch_winds_one_way_however_the_tets_are_ordered(seed):
+    mesh = interleaved_ball(seed)
+    interfaces = mesh.topology.interfaces
+    assert same_ways(interfaces, np.zeros(len(interfaces), dtype=np.int64)) > 10
+    found = find_strata(mesh)
+    assert same_ways(found.triangles, found.patch) == 0
+    assert np.array_equal(np.sort(found.triangles[-len(interfaces) :], axis=1), np.sort(interfaces, axis=1))
+    assert np.array_equal(
+        (found.triangles[-len(interfaces) :] != interfaces).any(axis=1), found.turned[-len(interfaces) :]
+    )
+
+
+def test_a_sheet_inside_a_region_winds_one_way():
+    mesh = interleaved_ball(1)
+    sheet = TetMesh(mesh.points, mesh.tets, facets=Cells(mesh.topology.interfaces))
+    found = find_strata(sheet)
+    assert same_ways(found.triangles, found.patch) == 0
+
+
+def test_a_strip_with_one_side_stays_as_it_is():
+    strip = np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4], [4, 5, 1], [5, 0, 1]])  # closed with half a turn
+    _, owners, starts, sizes, forward = surface_edges(strip, 6)
+    first = starts[sizes == 2]
+    links = owners[first], owners[first + 1], forward[first] == forward[first + 1]
+    assert links[2].any()
+    assert not turned_triangles(*links, np.zeros(6, dtype=np.int64)).any()

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from support.builders import ball, kuhn_cube, sphere_surface, two_region_cube
+from support.builders import ball, interleaved_ball, kuhn_cube, sphere_surface, two_region_cube
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.triangle_surfaces import enclosed_volume
+from wct_plugin.meshing.followed_surface import enclosed_volumes
 from wct_plugin.meshing.reference import TOLERANCE, given_surface, own_boundary
 from wct_plugin.meshing.reference_fit import bounds, clean, facing_out, gap, near
 
@@ -154,3 +155,13 @@ def test_facets_that_lead_to_the_fill_of_a_hole_are_no_gap():
     cap = whole.points[whole.triangles].mean(axis=1)[:, 2] > 0.8
     opened = SurfaceMesh(whole.points, whole.triangles[~cap])
     assert gap(own, opened, 0.1) <= 1.01 * sag < 0.05
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_reference_knows_what_is_behind_and_before_each_patch(seed):
+    mesh = interleaved_ball(seed)
+    corners = mesh.points[mesh.tets]
+    inside = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
+    volumes = enclosed_volumes(own_boundary(mesh, 40.0))
+    for tag in (0, 1):
+        assert volumes[str(tag)] == pytest.approx(inside[mesh.regions == tag].sum(), rel=1e-12)

@@ -91,6 +91,14 @@ def ball(n: int) -> TetMesh:
     return delaunay(np.vstack([fibonacci_sphere(12 * n * n), inside]), flattest=1e-6)
 
 
+def interleaved_ball(seed: int) -> TetMesh:
+    """A ball in a ball whose regions take turns in the order of the tets."""
+    mesh = ball(6)
+    inner = np.linalg.norm(mesh.points[mesh.tets].mean(axis=1) - mesh.points.mean(axis=0), axis=1) < 0.6
+    order = np.random.default_rng(seed).permutation(len(mesh.tets))
+    return TetMesh(mesh.points, mesh.tets[order], inner[order].astype(np.int64))
+
+
 def geodesic_ball(n: int, seed: int = 0) -> TetMesh:
     """The unit ball with an acute surface, an icosahedron's faces divided n by n; a jittered BCC lattice inside."""
     from scipy.spatial import ConvexHull

@@ -15,6 +15,7 @@ from wct_plugin.mesh.triangle_surfaces import (
     on_several_sheets,
     sheets_of_edges,
     surface_edges,
+    turned_triangles,
 )
 from wct_plugin.types import Bools, Floats, Ints
 
@@ -35,7 +36,9 @@ class Strata:
     The surface is the boundary, the interfaces between regions and the tagged facets inside a region.
     """
 
-    triangles: Ints  #: (t, 3) boundary (outward), then interfaces, then tagged facets inside a region
+    triangles: Ints
+    """(t, 3) boundary (outward), then interfaces, then tagged facets inside a region; a patch's all wind alike"""
+    turned: Bools  #: (t,) of the triangles that wind the other way in :func:`labelled_surface`
     patch: Ints  #: (t,) patch id of each triangle, from 0
     segments: Ints  #: (s, 2) crease edges, ends ascending
     curve: Ints  #: (s,) curve id of each segment, from 0; a closed loop without corners is one curve
@@ -115,6 +118,8 @@ def _strata(
 
     smooth = paired & ~crease
     patch = components(first[smooth], second[smooth], len(triangles))
+    turned = turned_triangles(first[smooth], second[smooth], same_way[smooth], patch)
+    triangles = np.where(turned[:, None], triangles[:, ::-1], triangles)
     stratum = np.zeros(count, dtype=np.int8)
     label = np.full(count, -1, dtype=np.int64)
     stratum[triangles] = 1
@@ -123,9 +128,9 @@ def _strata(
     label[segments] = curve[:, None]
     stratum[corner] = 3
     label[corner] = -1
-    for values in (triangles, patch, segments, curve, soft, stratum, label):
+    for values in (triangles, turned, patch, segments, curve, soft, stratum, label):
         values.setflags(write=False)
-    return Strata(triangles, patch, segments, curve, soft, stratum, label)
+    return Strata(triangles, turned, patch, segments, curve, soft, stratum, label)
 
 
 def places_of(mesh: TetMesh, of: Strata) -> NDArray[np.int8]:

@@ -63,6 +63,25 @@ def angle_between(a: Floats, b: Floats) -> Floats:
     return angle
 
 
+def turned_triangles(first: Ints, second: Ints, same_way: Bools, patch: Ints) -> Bools:
+    """(t,) which triangles have to be turned over for every patch (t,) to wind as its first triangle does.
+
+    Triangles ``first[k]`` and ``second[k]`` share an edge, and run through it the ``same_way`` where they disagree on
+    a side. A patch with one side only, like a Moebius strip, stays as it is.
+    """
+    count = len(patch)
+    if not same_way.any():
+        return np.zeros(count, dtype=bool)
+    # Node t stands for the triangle as it is and t + count for the triangle turned over: linked are those that agree.
+    other = second + count * same_way
+    sheet = components(
+        np.concatenate([first, first + count]), np.concatenate([other, (other + count) % (2 * count)]), 2 * count
+    )
+    leader = np.unique(patch, return_index=True)[1][patch]
+    out: Bools = (sheet[:count] != sheet[leader]) & (sheet[count:] == sheet[leader])
+    return out
+
+
 def pinched(triangles: Ints, count: int) -> Bools:
     """(count,) vertices of triangles (t, 3) where several sheets touch without sharing an edge."""
     return on_several_sheets(triangles, sheets(triangles, count), count)

@@ -78,6 +78,7 @@ def own_boundary(mesh: TetMesh, crease_angle: float) -> Reference:
             np.column_stack([index[within], index[within]]),
         ]
     )
+    sides[found.turned] = sides[found.turned, ::-1]
     of_patch = np.empty((int(found.patch.max()) + 1, 2), dtype=np.int64)
     of_patch[found.patch] = sides
     return Reference(mesh.points, found, of_patch, regions, np.arange(len(of_patch)))
