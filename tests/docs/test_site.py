@@ -1,7 +1,9 @@
 """The site builds without a warning, and the tutorials do what they say when typed in their order."""
 
+import itertools
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -52,24 +54,43 @@ def test_the_reference_has_parameters_and_errors(site):
 
 
 def blocks(page):
+    """Language and content of each block of code; Python after Python is one."""
     text = page.read_text(encoding="utf-8")
-    return re.findall(r"^```(sh|python)\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+    found = re.findall(r"^```(sh|python)\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+    return [
+        (language, "".join(part for _, part in group))
+        for language, group in itertools.groupby(found, lambda one: one[0])
+    ]
+
+
+def typed(command, place):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path}
+    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, f"{command[-1]}\n{done.stderr}"
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory):
+    """What ``wct demo`` leaves: it takes a while, and most pages begin with it."""
+    place = tmp_path_factory.mktemp("demo")
+    typed(["wct", "demo"], place)
+    return place
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_a_tutorial_runs_as_it_stands(page, tmp_path):
-    """Shell line by line; Python in one interpreter that stays open, as a reader's would."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+def test_a_tutorial_runs_as_it_stands(page, tmp_path, samples):
+    """Shell block by block, but for the demo; Python in one interpreter that stays open, as a reader's would."""
     python = ""
     for language, text in blocks(page):
+        for folder in re.findall(r"^wct demo(?: (\w+))?$", text, flags=re.MULTILINE):
+            shutil.copytree(samples, tmp_path / folder, dirs_exist_ok=True)
         if language == "python":
             python += text
-        typed = [[sys.executable, "-c", python]] if language == "python" else [["bash", "-ec", text]]
-        for command in typed:
-            done = subprocess.run(
-                command, cwd=tmp_path, env=os.environ | {"PATH": path}, capture_output=True, text=True, timeout=300
-            )
-            assert done.returncode == 0, f"{text}\n{done.stderr}"
+            typed([sys.executable, "-c", python], tmp_path)
+        else:
+            rest = re.sub(r"^wct demo(?: \w+)?$", "", text, flags=re.MULTILINE)
+            typed(["bash", "-ec", rest], tmp_path)
 
 
 def test_the_notebook_runs(tmp_path):

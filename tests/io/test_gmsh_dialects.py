@@ -12,7 +12,9 @@ from support.gmsh_session import add_two_boxes, gmsh_session
 from support.volumes import tet_volumes
 
 from wct_plugin.errors import InputError, WctWarning
-from wct_plugin.io import gmsh_reader, read, write
+from wct_plugin.io import gmsh_reader, gmsh_v2, read, write
+from wct_plugin.io.gmsh_file import GmshFile
+from wct_plugin.io.number_streams import BinaryNumbers
 from wct_plugin.mesh import Cells, TetMesh
 
 GROUPS = {
@@ -250,3 +252,18 @@ def test_groups_of_files_we_write_come_back(tmp_path: Path) -> None:
         assert isinstance(again, TetMesh)
         assert len(again.tet_sets["core"]) == 2
         assert dict(again.names) == dict(mesh.names)
+
+
+def test_a_header_before_each_element_is_read_in_bulk() -> None:
+    """As gmsh writes version 2 in binary: what is alike is one table, or a million tets would take hours."""
+    tets = np.arange(1, 2001)[:, None] + [0, 1, 2, 3]
+    ids = np.arange(2000)
+    solid = np.column_stack([np.tile([4, 1, 2], (2000, 1)), ids, ids % 2, ids % 2, tets])
+    triangles = np.column_stack([np.tile([2, 1, 1], (500, 1)), np.arange(500), np.ones(500), tets[:500, :3]])
+    data = b"".join(np.ascontiguousarray(part, dtype="<i4").tobytes() for part in (solid, triangles)) + b"\n$End"
+    found = list(gmsh_v2._blocks(BinaryNumbers(data, 0, "<"), 2500, GmshFile()))
+    assert [(one.type, len(one.ids)) for one in found] == [(4, 2000), (2, 500)]
+    assert np.array_equal(found[0].nodes, tets)
+    assert np.array_equal(found[0].groups, np.arange(2000) % 2)
+    with pytest.raises(InputError, match="announces"):
+        list(gmsh_v2._blocks(BinaryNumbers(data[:-2100], 0, "<"), 2500, GmshFile()))

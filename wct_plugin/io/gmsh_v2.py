@@ -1,7 +1,7 @@
 """Sections of gmsh's files of versions 1 and 2.0 to 2.2: elements of all kinds one after the other."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Any
 
@@ -52,13 +52,25 @@ def _elements(section: Section, form: Format, file: GmshFile) -> None:
         parts = runs(stream.rest, 3, lambda row: (3 + _tags(int(row[2])) + kind_of(int(row[1])).nodes, [1, 2]))
         found = [_of_rows(int(rows[0, 1]), rows[:, 0], rows[:, 3:], int(rows[0, 2]), file) for _, rows in parts]
     else:
-        while sum(len(one.ids) for one in found) < count:
-            number, many, tags = stream.whole("i4", 3)
-            (rows,) = stream.records(many, ("i4", 1 + _tags(tags) + kind_of(number).nodes))
-            if not many:
-                raise InputError("has a block of no elements")
-            found.append(_of_rows(number, rows[:, 0], rows[:, 1:], tags, file))
+        found = list(_blocks(stream, count, file))
     _put(found, count, file)
+
+
+def _blocks(stream: BinaryNumbers, count: int, file: GmshFile) -> Iterator[Elements]:
+    """Blocks of elements of a type, of which gmsh makes one for each element: such are read in bulk."""
+    while count > 0:
+        at = stream.at
+        number, many, tags = stream.whole("i4", 3)
+        width = 1 + _tags(tags) + kind_of(number).nodes
+        if not many:
+            raise InputError("has a block of no elements")
+        if many == 1:
+            stream.at = at
+            rows = stream.alike("i4", 3, 3 + width, count)[:, 3:]
+        else:
+            (rows,) = stream.records(many, ("i4", width))
+        count -= len(rows)
+        yield _of_rows(number, rows[:, 0], rows[:, 1:], tags, file)
 
 
 def _of_rows(number: int, ids: Ints, rest: Ints, tags: int, file: GmshFile) -> Elements:

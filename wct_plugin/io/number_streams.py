@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
+from wct_plugin.io.record_runs import alike
 from wct_plugin.io.text_lines import numbers, whole_numbers
 
 
@@ -83,6 +84,18 @@ class BinaryNumbers(NumberStream):
         return [
             table[str(k)].astype(np.int64 if kind[0] in "iu" else np.float64) for k, (kind, _) in enumerate(columns)
         ]
+
+    def alike(self, kind: str, head: int, size: int, most: int) -> NDArray[Any]:
+        """(n, size) the records from here on, at most so many, whose first ``head`` numbers are those of the first.
+
+        Raises :class:`InputError` where not one is left.
+        """
+        number = np.dtype(self._order + kind)
+        fit = min((len(self.data) - self.at) // (size * number.itemsize), most)
+        flat = np.frombuffer(self.data, number, fit * size, self.at)
+        count = alike(flat, list(range(head)), size) if fit else 1
+        (found,) = self.records(count, (kind, size))
+        return found
 
     def check_end(self) -> None:  # noqa: D102
         pass

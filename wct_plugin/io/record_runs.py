@@ -23,12 +23,12 @@ def runs(
         size, heads = layout(flat[start:]) if len(flat) - start >= head else (0, [])
         if not 0 < size <= len(flat) - start:
             raise InputError("ends within a cell")
-        count = _alike(flat[start:], heads, size)
+        count = alike(flat[start:], heads, size)
         yield start, flat[start : start + count * size].reshape(count, size)
         start += count * size
 
 
-def _alike(flat: NDArray[Any], heads: list[int], size: int) -> int:
+def alike(flat: NDArray[Any], heads: list[int], size: int) -> int:
     """How many records from the beginning on are like the first: looked for in steps that grow."""
     count, step, total = 0, 64, len(flat) // size
     while count < total:
