@@ -11,6 +11,7 @@ from pathlib import Path
 import nbformat
 import pytest
 from nbclient import NotebookClient
+from support.typing_in import type_in
 
 ROOT = Path(__file__).parents[2]
 TUTORIALS = sorted((ROOT / "docs/tutorials").glob("*.md"))
@@ -63,21 +64,6 @@ def blocks(page):
     ]
 
 
-def typed(command, place):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    environment = os.environ | {"PATH": path}
-    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, f"{command[-1]}\n{done.stderr}"
-
-
-@pytest.fixture(scope="module")
-def samples(tmp_path_factory):
-    """What ``wct demo`` leaves: it takes a while, and most pages begin with it."""
-    place = tmp_path_factory.mktemp("demo")
-    typed(["wct", "demo"], place)
-    return place
-
-
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
 def test_a_tutorial_runs_as_it_stands(page, tmp_path, samples):
     """Shell block by block, but for the demo; Python in one interpreter that stays open, as a reader's would."""
@@ -87,10 +73,10 @@ def test_a_tutorial_runs_as_it_stands(page, tmp_path, samples):
             shutil.copytree(samples, tmp_path / folder, dirs_exist_ok=True)
         if language == "python":
             python += text
-            typed([sys.executable, "-c", python], tmp_path)
+            type_in([sys.executable, "-c", python], tmp_path)
         else:
             rest = re.sub(r"^wct demo(?: \w+)?$", "", text, flags=re.MULTILINE)
-            typed(["bash", "-ec", rest], tmp_path)
+            type_in(["bash", "-ec", rest], tmp_path)
 
 
 def test_the_notebook_runs(tmp_path):

@@ -1,0 +1,14 @@
+"""Commands as a reader of the documents would type them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+
+def type_in(command: list[str], place: Path) -> None:
+    """Run a command where the package's own are on the PATH; it has to succeed."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path}
+    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, f"{command[-1]}\n{done.stderr}"
