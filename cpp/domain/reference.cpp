@@ -285,20 +285,18 @@ Foot Reference::nearest(const Vec3 &p, int patch, int hint) const {
 
 double Reference::ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const {
     const Vec3 inverse{1.0 / direction.x, 1.0 / direction.y, 1.0 / direction.z};
-    double best = std::numeric_limits<double>::infinity();
     triangle = -1;
-    tree_.visit([&](const geometry::Box &box) { return geometry::ray_box(p, inverse, best, box); },
-                [&](std::size_t t) {
-                    const auto &[a, b, c] = data_.triangles[t];
-                    const double at =
-                        geometry::ray_triangle(p, direction, least, data_.points[a], data_.points[b], data_.points[c]);
-                    if (at < best) {
-                        best = at;
-                        triangle = static_cast<int>(t);
-                    }
-                    return false;
-                });
-    return best;
+    return tree_.minimise(
+        std::numeric_limits<double>::infinity(),
+        [&](std::size_t node) { return geometry::ray_box(p, inverse, tree_.box(node)); },
+        [&](std::size_t t, double best) {
+            const auto &[a, b, c] = data_.triangles[t];
+            const double at =
+                geometry::ray_triangle(p, direction, least, data_.points[a], data_.points[b], data_.points[c]);
+            if (at < best)
+                triangle = static_cast<int>(t);
+            return at;
+        });
 }
 
 Vec3 Reference::smooth_normal(const Foot &foot) const {

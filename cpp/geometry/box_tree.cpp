@@ -91,9 +91,9 @@ double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, c
     return t > least ? t : kMiss;
 }
 
-bool ray_box(const Vec3 &p, const Vec3 &inverse, double most, const Box &box) {
+double ray_box(const Vec3 &p, const Vec3 &inverse, const Box &box) {
     double near = 0.0;
-    double far = most;
+    double far = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
         double u = (along(box.lo, axis) - along(p, axis)) * along(inverse, axis);
         double v = (along(box.hi, axis) - along(p, axis)) * along(inverse, axis);
@@ -102,7 +102,7 @@ bool ray_box(const Vec3 &p, const Vec3 &inverse, double most, const Box &box) {
         near = std::max(near, u); // a NaN (0 * infinity, the ray in a face's plane) leaves near and far as they are
         far = std::min(far, v);
     }
-    return near <= far;
+    return near <= far ? near : std::numeric_limits<double>::infinity();
 }
 
 } // namespace wct::geometry

@@ -131,7 +131,7 @@ double with_room(double square, double scale);
 /// Distance along the ray p + t d, t > least, to the triangle; infinity if it misses.
 double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
-/// Does the line p + t d, 0 <= t <= most, meet the box? `inverse` holds 1/d per axis.
-bool ray_box(const Vec3 &p, const Vec3 &inverse, double most, const Box &box);
+/// Least t >= 0 at which p + t d is in the box, infinity if it never is. `inverse` holds 1/d per axis.
+double ray_box(const Vec3 &p, const Vec3 &inverse, const Box &box);
 
 } // namespace wct::geometry

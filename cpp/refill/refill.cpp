@@ -82,7 +82,7 @@ bool relax(Filling &fill) {
     for (int sweep = 0; sweep < options.sweeps && !fill.monitor.stopped(); ++sweep) {
         if (sweep > 0 && !fill.keeper.triangulate(fill.cloud, fill.complex))
             return false;
-        sampling::relax(fill.cloud, fill.reference, fill.complex, options.step, fill.workers);
+        sampling::relax(fill.cloud, fill.reference, fill.complex, options.step, 0.0, fill.workers);
         fill.keeper.clear(fill.cloud);
         if (sweep % renewed == renewed - 1)
             for (std::size_t i = 0; i < fill.cloud.count(); ++i)

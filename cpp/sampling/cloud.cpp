@@ -33,6 +33,7 @@ void Cloud::keep(const std::vector<char> &which) {
             size[to] = size[i];
             near[to] = near[i];
             held[to] = held[i];
+            drift[to] = drift[i];
             ++to;
         }
     points.resize(to);
@@ -41,6 +42,7 @@ void Cloud::keep(const std::vector<char> &which) {
     size.resize(to);
     near.resize(to);
     held.resize(to);
+    drift.resize(to);
 }
 
 void Cloud::append(const Cloud &other) {
@@ -50,6 +52,7 @@ void Cloud::append(const Cloud &other) {
     size.insert(size.end(), other.size.begin(), other.size.end());
     near.insert(near.end(), other.near.begin(), other.near.end());
     held.insert(held.end(), other.held.begin(), other.held.end());
+    drift.insert(drift.end(), other.drift.begin(), other.drift.end());
 }
 
 std::vector<int> patches_of(const Cloud &cloud, const domain::Reference &reference, int point) {

@@ -23,6 +23,7 @@ struct Cloud {
     std::vector<double> size; // wanted edge length
     std::vector<int> near;    // a triangle of the reference not far from it, -1: none is known
     std::vector<Hold> held;
+    std::vector<Vec3> drift; // how the last sweep of relaxation moved it
 
     std::size_t count() const { return points.size(); }
     void add(const Vec3 &p, Stratum s, int l, double h) {
@@ -32,6 +33,7 @@ struct Cloud {
         size.push_back(h);
         near.push_back(-1);
         held.push_back(Hold::none);
+        drift.push_back({});
     }
     Vec3 centroid(const Tet &tet) const {
         Vec3 sum;

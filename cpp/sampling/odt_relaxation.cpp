@@ -29,7 +29,7 @@ struct Mean {
 } // namespace
 
 double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
-             const Workers &workers) {
+             double momentum, const Workers &workers) {
     const auto &points = cloud.points;
     constexpr double flat = 1e-9;    // six times the volume, per cube of the mean edge
     constexpr double farthest = 0.5; // of a circumcenter from the centroid, in mean edges
@@ -78,12 +78,19 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
             cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
         if (free && mean.weight > 0.0)
             cloud.points[i] += step * ((1.0 / mean.weight) * mean.sum - cloud.points[i]);
+        if (free && cloud.role[i] == Stratum::interior)
+            cloud.points[i] += momentum * cloud.drift[i];
     }
     retract(cloud, reference, workers);
-    double most = 0.0;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        most = std::max(most, norm(points[i] - before[i]) / cloud.size[i]);
-    return most;
+    Mean inside, on_patches; // squares of moves
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        cloud.drift[i] = points[i] - before[i];
+        const Vec3 move = (1.0 / cloud.size[i]) * cloud.drift[i];
+        if (cloud.role[i] <= Stratum::patch)
+            (cloud.role[i] == Stratum::interior ? inside : on_patches).add({dot(move, move), 0.0, 0.0}, 1.0);
+    }
+    const auto root = [](const Mean &mean) { return mean.weight > 0.0 ? std::sqrt(mean.sum.x / mean.weight) : 0.0; };
+    return std::max(root(inside), root(on_patches));
 }
 
 int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double longest,

@@ -27,6 +27,12 @@ std::vector<char> curved_points(const Cloud &cloud, const domain::Reference &ref
     return curved;
 }
 
+/// Whether any patch lies inside: between two regions, or in one.
+bool has_inner_patches(const domain::Reference &reference) {
+    const auto &sides = reference.data().sides;
+    return std::any_of(sides.begin(), sides.end(), [](const auto &side) { return side[0] >= 0 && side[1] >= 0; });
+}
+
 bool has_curved_patches(const domain::Reference &reference) {
     for (int p = 0; p < reference.patches(); ++p)
         if (!reference.planar(p))
@@ -35,7 +41,8 @@ bool has_curved_patches(const domain::Reference &reference) {
 }
 
 void refresh_sizes(Cloud &cloud, const domain::Sizing &sizing, const Workers &workers) {
-    workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
+    workers.for_each(cloud.count(), 256,
+                     [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i], cloud.near[i]); });
 }
 
 /// Points of tets that fitting the surface has turned over go back to where they were.
@@ -107,7 +114,7 @@ class Resampling : Task {
   public:
     Resampling(const Task &task, domain::Sizing &sizing, Stopwatch &watch)
         : Task(task), sizing_(sizing), watch_(watch), random_(options.seed), curved_(has_curved_patches(reference)),
-          tolerance_(options.sizing.tolerance),
+          parted_(has_inner_patches(reference)), tolerance_(options.sizing.tolerance),
           fit_{options.fit_target * tolerance_, options.fit_weight, options.fit_pull, options.shell * tolerance_},
           correction_(reference.data().points.size(), 0.0), ceiling_(sizing.surface),
           euler_(geometry::euler_characteristics(mesh.tets, mesh.region)) {}
@@ -122,8 +129,14 @@ class Resampling : Task {
 
   private:
     Cloud seeds();
-    /// Spread the points evenly for their sizes, and fill holes.
-    Cloud relaxed(Cloud cloud, int sweeps);
+    /// Spread the points evenly for their sizes, and fill holes: with momentum at first, but for a trial, and where
+    /// parts meet inside. There starts with a fourth fewer bad tets end with no fewer, as these are at the parts'
+    /// edges.
+    Cloud relaxed(Cloud cloud, bool trial);
+    /// Fill holes and thin crowds of the surface.
+    void mend_surface(Cloud &cloud, RestrictedDelaunay &complex) const;
+    /// Whether the last rounds brought too little for another. `fewest`: bad tets and facets off after each.
+    bool settled(const std::vector<double> &fewest, const Start &best) const;
     /// Seeds, relaxed and improved, or nothing where it is stopped before.
     std::optional<Start> make_start();
     /// Triangulate, and move the points downhill, for as long as that pays; the best start on the way.
@@ -137,6 +150,7 @@ class Resampling : Task {
     Stopwatch &watch_;
     Random random_;
     bool curved_; // whether any patch is
+    bool parted_; // whether any patch is inside
     double tolerance_;
     FitForm fit_;
     std::vector<double> correction_; // of offsets, per vertex of the surface
@@ -150,24 +164,37 @@ Cloud Resampling::seeds() {
     return make_seeds(reference, map, sizing_, SeedForm{}, renewal, held, random_, workers);
 }
 
-Cloud Resampling::relaxed(Cloud cloud, int sweeps) {
-    for (int sweep = 0; sweep < sweeps && !monitor.stopped(); ++sweep) {
+void Resampling::mend_surface(Cloud &cloud, RestrictedDelaunay &complex) const {
+    if (mend(cloud, reference, complex, options.longest, options.shortest) == 0)
+        return;
+    drop_twins(cloud);
+    clear_sharp(cloud, sizing_);
+    complex = restricted_delaunay(cloud, reference, map, workers, held);
+}
+
+Cloud Resampling::relaxed(Cloud cloud, bool trial) {
+    int left = trial ? options.trial_sweeps : options.sweeps;
+    const bool steady = trial || parted_;
+    bool settling = steady;
+    for (int sweep = 0; left > 0 && !monitor.stopped(); ++sweep) {
+        --left;
         drop_twins(cloud);
         RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers, held);
-        if (sweep >= options.mend_from && sweep % options.mend_every == 0 &&
-            sweep + options.mend_every < options.sweeps)
-            if (mend(cloud, reference, complex, options.longest, options.shortest) > 0) {
-                drop_twins(cloud);
-                clear_sharp(cloud, sizing_);
-                complex = restricted_delaunay(cloud, reference, map, workers, held);
-            }
-        relax(cloud, reference, complex, options.step, workers);
+        if (sweep >= options.mend_from && sweep % options.mend_every == 0 && (trial || left >= options.mend_every))
+            mend_surface(cloud, complex);
+        const double moved = relax(cloud, reference, complex, options.step, settling ? 0.0 : options.momentum, workers);
         keep_off_sharp(cloud, reference, sizing_, workers);
         if (held)
             held->clear(cloud);
         if (sweep % options.refresh_every == options.refresh_every - 1)
             refresh_sizes(cloud, sizing_, workers);
         monitor.report(0.0); // a sweep takes far longer than so many evaluations
+        if (settling && !steady && moved < options.still)
+            break;
+        if (!settling && (moved < options.calm || left <= options.settling)) {
+            settling = true;
+            left = std::min(left, options.settling);
+        }
     }
     return cloud;
 }
@@ -175,7 +202,7 @@ Cloud Resampling::relaxed(Cloud cloud, int sweeps) {
 void Resampling::try_out() {
     const int trials = curved_ && !renewal ? options.trials : 0; // sizes do where nearly all came right
     for (int trial = 0; trial < trials && !monitor.stopped(); ++trial) {
-        Cloud cloud = relaxed(seeds(), options.trial_sweeps);
+        Cloud cloud = relaxed(seeds(), true);
         if (monitor.stopped())
             break;
         drop_twins(cloud);
@@ -186,8 +213,7 @@ void Resampling::try_out() {
 
 bool Resampling::represents(const Cloud &cloud, const RestrictedDelaunay &complex, const Flaws &flaws) const {
     return lost_points(cloud, flaws).empty() && lost_planes(cloud, complex, reference, options.sizing).empty() &&
-           geometry::euler_characteristics(complex.all.tets, complex.region) == euler_ &&
-           (!held || held->complete(cloud, complex));
+           euler_characteristics(complex, flaws) == euler_ && (!held || held->complete(cloud, complex));
 }
 
 bool Resampling::too_many_off(const Start &start) const {
@@ -207,6 +233,15 @@ void Resampling::move_downhill(Cloud &cloud, const RestrictedDelaunay &complex, 
         energy.weight2 = 0.0;
     descend(cloud, complex, direction_, energy, EdgeForm{}, curved_points(cloud, reference, sizing_.sharp()), fit_,
             ties, options.iterations, options.reach);
+}
+
+bool Resampling::settled(const std::vector<double> &fewest, const Start &best) const {
+    const std::size_t lately = best.intact ? options.lately : 2 * options.lately;
+    if (fewest.size() <= lately)
+        return false;
+    const double before = fewest.end()[-1 - static_cast<std::ptrdiff_t>(lately)], now = fewest.back();
+    const double least = best.intact ? options.least_worth * static_cast<double>(best.tally.tets) : 0.0;
+    return now > options.worth * before || before - now < least;
 }
 
 std::optional<Start> Resampling::improve(Cloud cloud) {
@@ -229,9 +264,7 @@ std::optional<Start> Resampling::improve(Cloud cloud) {
             best = Start{cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
         }
         fewest.push_back(static_cast<double>(best->wrong()));
-        const std::size_t lately = best->intact ? options.lately : 2 * options.lately;
-        const bool settled = fewest.size() > lately && fewest.back() > options.worth * fewest.end()[-1 - lately];
-        if (round == options.rounds || tally.bad == 0 || settled)
+        if (round == options.rounds || tally.bad == 0 || settled(fewest, *best))
             break;
         monitor.set_bad(static_cast<std::int64_t>(best->tally.bad));
         move_downhill(cloud, complex, ties);
@@ -250,7 +283,7 @@ std::optional<Start> Resampling::make_start() {
         far = renewal->split_far(cloud);
     }
     if (cloud.count() > 0)
-        cloud = relaxed(std::move(cloud), options.sweeps);
+        cloud = relaxed(std::move(cloud), false);
     cloud.append(far);
     watch_.lap("relax");
     std::optional<Start> best = improve(std::move(cloud));

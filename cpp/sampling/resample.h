@@ -33,8 +33,15 @@ struct ResampleOptions {
 
     static constexpr double offset = 1.05; // of vertices over a bend, relative to what regular facets would need
     static constexpr double shell = 0.95;  // no offset beyond this share of the tolerance
-    static constexpr int sweeps = 25;      // of relaxation
+    static constexpr int sweeps = 25;      // of relaxation, at most
     static constexpr double step = 0.7;
+    /// Share of its last move that a point keeps until the points are calm, moving by less than so many sizes; then
+    /// sweeps without settle them, so many at most, until they are nearly still. Half as much momentum leaves a torus
+    /// twice the bad tets, none three times; steps that stop where they would turn back do the same.
+    static constexpr double momentum = 0.7;
+    static constexpr double calm = 0.012;
+    static constexpr int settling = 8;
+    static constexpr double still = 0.005;
     static constexpr int mend_from = 4;     // sweep from which holes are filled and crowds thinned
     static constexpr int mend_every = 4;    // sweeps, but in the last of them
     static constexpr int refresh_every = 8; // sweeps after which points ask for their sizes anew
@@ -45,6 +52,8 @@ struct ResampleOptions {
     /// sooner.
     static constexpr int lately = 2;
     static constexpr double worth = 0.9;
+    /// And by how many at least, as a share of all tets: a round costs as much as the search of so many bad ones.
+    static constexpr double least_worth = 2e-3;
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes
     /// More where the domain was not met, with smaller sizes where its sheets touched each other or were cut across.

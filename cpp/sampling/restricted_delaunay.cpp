@@ -1,6 +1,7 @@
 #include "sampling/restricted_delaunay.h"
 
 #include "base/disjoint_sets.h"
+#include "geometry/euler_characteristic.h"
 #include "sampling/held_surface.h"
 #include "sampling/sheets.h"
 
@@ -267,6 +268,33 @@ Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex) {
         list->erase(std::unique(list->begin(), list->end()), list->end());
     }
     return flaws;
+}
+
+std::vector<int> euler_characteristics(const RestrictedDelaunay &complex, const Flaws &flaws) {
+    if (!flaws.pinched.empty())
+        return geometry::euler_characteristics(complex.all.tets, complex.region);
+    std::vector<int> sum; // per region its surface's vertices less half its triangles: each edge is on two of these
+    std::vector<std::array<int, 2>> corners; // region and point
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t) {
+        const int region = complex.region[t];
+        if (region < 0)
+            continue;
+        if (region >= static_cast<int>(sum.size()))
+            sum.resize(region + 1, 0);
+        for (int i = 0; i < 4; ++i)
+            if (complex.beyond(t, i) != region) {
+                --sum[region];
+                for (const int v : complex.facet(t, i))
+                    corners.push_back({region, v});
+            }
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    for (const auto &[region, v] : corners)
+        sum[region] += 2;
+    for (int &one : sum)
+        one /= 4;
+    return sum;
 }
 
 } // namespace wct::sampling

@@ -55,6 +55,10 @@ struct Flaws {
 };
 Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex);
 
+/// Euler characteristic of each region, numbered from 0. Where no surface is pinched it is half that of the region's
+/// surface, which has far fewer cells to count.
+std::vector<int> euler_characteristics(const RestrictedDelaunay &complex, const Flaws &flaws);
+
 /// Facets of the boundary, the interfaces and the sheets, each once, outward or out of the region with the smaller
 /// number.
 std::vector<Facet> surface_facets(const RestrictedDelaunay &complex);

@@ -1,5 +1,8 @@
 #include "sampling/restricted_delaunay.h"
 
+#include "base/random.h"
+#include "delaunay/delaunay.h"
+#include "geometry/euler_characteristic.h"
 #include "support/bodies.h"
 
 #include <doctest/doctest.h>
@@ -75,6 +78,31 @@ TEST_CASE("Restricted Delaunay: tets that hide a rim are taken off") {
     CHECK(on_boundary(all, 2, 3));
     CHECK(on_boundary(peeled, 0, 1));
     CHECK_FALSE(on_boundary(peeled, 2, 3));
+}
+
+TEST_CASE("Restricted Delaunay: Euler characteristics by the surface are those by all cells") {
+    int smooth = 0, pinched = 0, handles = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        Random random(seed);
+        sampling::Cloud cloud;
+        for (int k = 0; k < 120; ++k)
+            cloud.add({random.uniform(), random.uniform(), random.uniform()}, Stratum::interior, 0, 0.2);
+        sampling::RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}, {}};
+        for (const Tet &tet : complex.all.tets) {
+            const Vec3 p = cloud.centroid(tet) - Vec3{0.5, 0.5, 0.5};
+            const double round = std::hypot(p.x, p.y);
+            const bool hole = seed % 3 == 0 && round < 0.2, scattered = seed % 3 == 1 && random.uniform() < 0.1;
+            complex.region.push_back(hole || scattered ? -1 : p.z > 0.1);
+        }
+        const sampling::Flaws flaws = sampling::find_flaws(cloud, complex);
+        const std::vector<int> all = geometry::euler_characteristics(complex.all.tets, complex.region);
+        CHECK(sampling::euler_characteristics(complex, flaws) == all);
+        (flaws.pinched.empty() ? smooth : pinched) += 1;
+        handles += flaws.pinched.empty() && all != std::vector<int>{1, 1};
+    }
+    CHECK(smooth > 10);
+    CHECK(pinched > 10);
+    CHECK(handles > 2);
 }
 
 } // namespace wct::tests
