@@ -9,7 +9,8 @@ from support.builders import bcc, jittered_cube, kuhn_cube, single
 
 from wct_plugin.measure.quality import measure
 from wct_plugin.mesh import TetMesh
-from wct_plugin.reports.pictures import OBTUSE, colours, pictures
+from wct_plugin.reports.colour_scales import OBTUSE, colours
+from wct_plugin.reports.pictures import pictures
 
 
 def pixels(picture):

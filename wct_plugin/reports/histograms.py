@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.reports.html_elements import Html, details, table
-from wct_plugin.reports.pictures import OBTUSE, SCALE
+from wct_plugin.reports.colour_scales import HEIGHT, OBTUSE, Stops, hexadecimal
 
 _WIDTH, _LEFT, _RIGHT = 460.0, 52.0, 22.0
 _PANEL, _LINE, _GAP, _FOOT = 88.0, 19.0, 12.0, 38.0
@@ -100,37 +100,53 @@ def histogram(axis: Axis, series: Sequence[Series]) -> Html:
 
 def colour_scale() -> Html:
     """What the colours of :func:`wct_plugin.reports.pictures.pictures` stand for."""
-    scale = _Scale(SCALE[0][0], SCALE[-1][0], 1.0)
-    low, high, middle = scale.x(scale.low), scale.x(scale.high), scale.x(0.0)
-    stops = "".join(
-        f'<stop offset="{(scale.x(value) - low) / (high - low):.4f}" stop-color="{_hex(np.array(colour))}"/>'
-        for value, colour in SCALE
-    )
-    bars = (
-        f'<defs><linearGradient id="min-height">{stops}</linearGradient></defs>'
-        f'<rect x="{low:.1f}" y="22" width="{high - low:.1f}" height="14" fill="url(#min-height)"/>'
-    )
-    marks = "".join(
-        f'<text x="{scale.x(value):.1f}" y="51" text-anchor="middle">{word}</text>'
-        for value, word in ((-1.0, "−1"), (-0.5, "−0.5"), (0.0, "0"), (1.0 / 3.0, "⅓"))
-    )
+    scale = _Scale(HEIGHT[0][0], HEIGHT[-1][0], 1.0)
+    middle = scale.x(0.0)
+    marks = ((-1.0, "−1"), (-0.5, "−0.5"), (0.0, "0"), (1.0 / 3.0, "⅓"))
     said = (
         "Colour: the smallest h/R of a tet, below 0 where its circumcenter is outside; violet where it is inside, but "
         "a triangle of the tet is not acute."
     )
-    drawing = (
-        f'<svg viewBox="0 0 {_WIDTH:g} 56" width="{_WIDTH:g}" height="56" role="img" aria-label="{said}">{bars}{marks}'
+    more = (
         f'<line x1="{middle:.1f}" x2="{middle:.1f}" y1="18" y2="40" stroke="var(--ink)"/>'
         f'<text x="{middle - 6:.1f}" y="14" text-anchor="end">circumcenter outside</text>'
         f'<text x="{middle + 6:.1f}" y="14">inside</text>'
-        f'<rect x="{_LEFT:g}" y="3" width="14" height="14" fill="{_hex(np.array(OBTUSE))}"/>'
-        f'<text x="{_LEFT + 20:g}" y="14">not acute</text></svg>'
+        f'<rect x="{_LEFT:g}" y="3" width="14" height="14" fill="{hexadecimal(OBTUSE)}"/>'
+        f'<text x="{_LEFT + 20:g}" y="14">not acute</text>'
+    )
+    return _colour_bar("min-height", HEIGHT, marks, said, more)
+
+
+def deviation_scale(stops: Stops, tolerance: float | None) -> Html:
+    """What the colours of :func:`wct_plugin.reports.pictures.deviation_pictures` stand for."""
+    said = "Colour: distance from the reference, as a fraction of the bounding box's diagonal"
+    beyond = tolerance is not None and tolerance < stops[-1][0]
+    if tolerance is not None:
+        said += f"; the tolerance is {tolerance:.2e}" + (", orange and brown are beyond it" if beyond else "")
+    marks = [(stops[0][0], "0"), (stops[-1][0], f"{stops[-1][0]:.2e}")]
+    return _colour_bar("deviation", stops, marks, f"{said}.")
+
+
+def _colour_bar(name: str, stops: Stops, marks: Sequence[tuple[float, str]], said: str, more: str = "") -> Html:
+    """A bar with the colours of ``stops``, a word below each of the ``marks``, ``more`` drawn above it."""
+    scale = _Scale(stops[0][0], stops[-1][0], 1.0)
+    low, high = scale.x(scale.low), scale.x(scale.high)
+    anchors = "".join(
+        f'<stop offset="{(scale.x(value) - low) / (high - low):.4f}" stop-color="{hexadecimal(colour)}"/>'
+        for value, colour in stops
+    )
+    bar = (
+        f'<defs><linearGradient id="{name}">{anchors}</linearGradient></defs>'
+        f'<rect x="{low:.1f}" y="22" width="{high - low:.1f}" height="14" fill="url(#{name})"/>'
+    )
+    words = "".join(
+        f'<text x="{scale.x(value):.1f}" y="51" text-anchor="middle">{word}</text>' for value, word in marks
+    )
+    drawing = (
+        f'<svg viewBox="0 0 {_WIDTH:g} 56" width="{_WIDTH:g}" height="56" role="img" aria-label="{said}">{bar}{words}'
+        f"{more}</svg>"
     )
     return Html(f"<figure>{drawing}<figcaption>{said}</figcaption></figure>")
-
-
-def _hex(colour: NDArray[np.float64]) -> str:
-    return "#" + "".join(f"{round(255 * float(part)):02x}" for part in colour)
 
 
 def _shown(axis: Axis, first: int, last: int) -> tuple[int, int]:

@@ -1,12 +1,13 @@
 """The look of our HTML pages: self-contained, on any screen from a phone's on, dark too, and in print.
 
-A page loads nothing and runs nothing, which its content security policy holds it to. Functions take plain text and
-escape it; only what is :data:`Html` already goes in as it is.
+A page loads nothing and runs nothing but a script it is given, which its content security policy holds it to.
+Functions take plain text and escape it; only what is :data:`Html` already goes in as it is.
 """
 
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from html import escape
 from typing import NewType
 
@@ -80,14 +81,34 @@ _COLUMNS = 4
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
-def page(title: str, body: Iterable[Html]) -> str:
-    """A whole page; ``body`` are its parts, after the heading."""
+@dataclass(frozen=True)
+class Script:
+    """A script that a page runs."""
+
+    code: str
+
+    @property
+    def html(self) -> Html:
+        """The element; nothing in the code may end it."""
+        return Html(f"<script>{self.code}</script>")
+
+    @property
+    def policy(self) -> str:
+        """What allows this script alone, what it unpacks of the page itself, and the fonts in that."""
+        digest = b64encode(sha256(self.code.encode()).digest()).decode("ascii")
+        return f"; script-src 'sha256-{digest}' blob:; font-src data:"
+
+
+def page(title: str, body: Iterable[Html], *, style: str = "", script: Script | None = None) -> str:
+    """A whole page; ``body`` are its parts, after the heading; ``script``, in one of them, may run."""
+    policy = _POLICY + (script.policy if script else "")
     return printable(
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
         f"<title>{escape(title)}</title>"
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<style>{_STYLE}</style></head>\n<body><main>\n<h1>{escape(title)}</h1>\n{join(body)}\n</main></body></html>\n"
+        f"<style>{_STYLE}{style}</style></head>\n<body><main>\n<h1>{escape(title)}</h1>\n{join(body)}\n</main></body>"
+        "</html>\n"
     )
 
 

@@ -1,6 +1,7 @@
 """Reports as one self-contained HTML page: what was reached, what is left and where, then all the numbers."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import PurePath
 from typing import Any
@@ -11,7 +12,9 @@ from wct_plugin.measure.negative_duals import HEAD as NEGATIVE_HEAD
 from wct_plugin.measure.solver_view import HEAD as SOLVER_HEAD
 from wct_plugin.mesh import TetMesh
 from wct_plugin.obstructions import remaining_tets
-from wct_plugin.reports.histograms import Axis, Series, colour_scale, histogram
+from wct_plugin.reports import colour_scales, interactive_view
+from wct_plugin.reports.boundary_deviation import deviation_of_facets
+from wct_plugin.reports.histograms import Axis, Series, colour_scale, deviation_scale, histogram
 from wct_plugin.reports.html_elements import (
     Card,
     Html,
@@ -26,7 +29,8 @@ from wct_plugin.reports.html_elements import (
     section,
     table,
 )
-from wct_plugin.reports.pictures import Picture, check_available, pictures
+from wct_plugin.reports.interactive_view import Apart, View
+from wct_plugin.reports.pictures import Picture, check_available, deviation_pictures, pictures
 from wct_plugin.reports.report import BINS, TITLES, Report, short_names
 
 __all__ = ["check_available", "html"]
@@ -61,13 +65,19 @@ def html(
         raise ValueError("a page needs at least one report")
     check_available()
     named = dict(zip(names or short_names(reports), reports, strict=True))
-    return page(title, _parts(named, meshes, made))
+    shown = _shown(named, meshes) if meshes else None
+    return page(
+        title,
+        _parts(named, shown, made),
+        style=interactive_view.STYLE if shown else "",
+        script=shown.view.script if shown else None,
+    )
 
 
-def _parts(reports: Mapping[str, Report], meshes: Sequence[TetMesh], made: Mapping[str, Any] | None) -> list[Html]:
+def _parts(reports: Mapping[str, Report], shown: "_Shown | None", made: Mapping[str, Any] | None) -> list[Html]:
     parts = [*_verdicts(reports, made is not None)]
-    if meshes:
-        parts.append(_pictures(list(reports), meshes))
+    if shown:
+        parts += [shown.view.html, shown.pictures]
     parts += [
         _left(name, report, len(reports) > 1) for name, report in reports.items() if report.left() or report.notes
     ]
@@ -152,12 +162,39 @@ def _remaining(report: Report, bad: int) -> Card:
 # --- where ------------------------------------------------------------------------------------------------------------
 
 
-def _pictures(names: Sequence[str], meshes: Sequence[TetMesh]) -> Html:
+@dataclass(frozen=True)
+class _Shown:
+    """The meshes themselves: to be turned, and from two sides."""
+
+    view: View
+    pictures: Html
+
+
+def _shown(reports: Mapping[str, Report], meshes: Sequence[TetMesh]) -> _Shown:
+    names, apart = list(reports), _apart(list(reports.values()), meshes)
     sides = [pictures(mesh) for mesh in meshes]
     front, back = ([(name, side[k]) for name, side in zip(names, sides, strict=True)] for k in (0, 1))
-    return section(
-        "Where the bad tets are", colour_scale(), _gallery(front), details("From the opposite side", _gallery(back))
-    )
+    parts = [colour_scale(), _gallery(front), details("From the opposite side", _gallery(back))]
+    if apart is not None:
+        each = zip(meshes, apart.facets, strict=True)
+        sides_apart = [deviation_pictures(mesh, found, apart.stops) for mesh, found in each]
+        front, back = ([(name, (side[k],)) for name, side in zip(names, sides_apart, strict=True)] for k in (0, 1))
+        parts += [
+            deviation_scale(apart.stops, apart.tolerance),
+            _gallery(front),
+            details("Deviation from the opposite side", _gallery(back)),
+        ]
+    return _Shown(interactive_view.view(names, meshes, apart), section("Where the bad tets are", *parts))
+
+
+def _apart(reports: Sequence[Report], meshes: Sequence[TetMesh]) -> Apart | None:
+    """How far the boundaries are from the last one's reference, as the reports have it; None where there is none."""
+    reference, tolerance = meshes[-1].reference, reports[-1].tolerance
+    if reference is None or not reference.diagonal:
+        return None
+    facets = [deviation_of_facets(mesh, reference) for mesh in meshes]
+    most = max(*(float(one.max()) for one in facets), tolerance or 0.0, 1e-12)
+    return Apart(facets, colour_scales.deviation(most, tolerance), tolerance)
 
 
 def _gallery(found: Sequence[tuple[str, Sequence[Picture]]]) -> Html:

@@ -17,17 +17,10 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.topology import Topology
 from wct_plugin.mesh.triangle_surfaces import surface_edges
+from wct_plugin.reports.colour_scales import OBTUSE, Stops, colours
+from wct_plugin.reports.eye import Eye
 from wct_plugin.types import Floats, Ints
 
-#: Anchors of the colours: h/R and sRGB. All above zero are lighter than all below, whatever the eye or the printer.
-SCALE = (
-    (-1.0, (0.42, 0.13, 0.01)),
-    (0.0, (0.86, 0.31, 0.03)),
-    (0.0, (0.88, 0.94, 0.98)),
-    (1.0 / 3.0, (0.62, 0.79, 0.91)),
-)
-#: A tet that contains its circumcenter and has an obtuse triangle.
-OBTUSE = (0.48, 0.32, 0.67)
 _SKIN, _BACK, _LINE = (0.55, 0.6, 0.66, 0.13), (0.55, 0.6, 0.66, 0.22), (0.42, 0.47, 0.53, 0.9)
 _LIGHT = np.array([-0.35, 0.5, 0.8])  # in the picture's axes: right, up, towards the eye
 _WIDTH, _DPI, _COLOURS = 760, 100, 128
@@ -53,21 +46,6 @@ def check_available() -> None:
         raise WctError("the HTML page needs matplotlib: pip install 'wct_plugin[report]'") from None
 
 
-def colours(height: Floats) -> Floats:
-    """(k, 3) the colour of each smallest h/R (k,), the darkest where it is not a number."""
-    at = np.array([value for value, _ in SCALE])
-    rgb = np.array([colour for _, colour in SCALE])
-    height = np.nan_to_num(height, nan=-1.0)
-    out: Floats = np.stack(
-        [
-            np.where(height <= 0.0, np.interp(height, at[:2], rgb[:2, k]), np.interp(height, at[2:], rgb[2:, k]))
-            for k in range(3)
-        ],
-        axis=1,
-    )
-    return out
-
-
 def pictures(mesh: TetMesh) -> tuple[tuple[Picture, ...], tuple[Picture, ...]]:
     """Of the boundary and of the bad tets, if there are any, from one side; and the same from the opposite side."""
     check_available()
@@ -86,7 +64,7 @@ def pictures(mesh: TetMesh) -> tuple[tuple[Picture, ...], tuple[Picture, ...]]:
     if obtuse := len(bad) - int(outside.sum()):
         inside += f", {obtuse} more do and have a triangle that is not acute"
     sides = []
-    for side, eye in (("", _Eye.of(mesh.points)), (", from the opposite side", _Eye.of(mesh.points, behind=True))):
+    for side, eye in (("", Eye.of(mesh)), (", from the opposite side", Eye.of(mesh, behind=True))):
         found = [drawn.boundary(eye, f"The boundary, each triangle by min h/R of its tet{side}", surface)]
         if len(bad):
             found.append(drawn.inside(eye, f"The bad tets in the transparent boundary{side}", inside))
@@ -94,25 +72,16 @@ def pictures(mesh: TetMesh) -> tuple[tuple[Picture, ...], tuple[Picture, ...]]:
     return sides[0], sides[1]
 
 
-@dataclass(frozen=True, eq=False)
-class _Eye:
-    """A parallel projection. ``axes`` (3, 3): rows right, up and towards the eye."""
-
-    axes: Floats
-
-    @classmethod
-    def of(cls, points: Floats, behind: bool = False) -> "_Eye":
-        """From above, or from below and behind, so that the two show every side; z is up, the longer side in front."""
-        extent = np.ptp(points, axis=0)
-        turn = np.radians((30.0 if extent[1] > 1.1 * extent[0] else -60.0) + 180.0 * behind)
-        tilt = np.radians(-25.0 if behind else 25.0)
-        away = np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
-        right = np.array([-np.sin(turn), np.cos(turn), 0.0])
-        return cls(np.stack([right, np.cross(away, right), away]))
-
-    def see(self, points: Floats) -> Floats:
-        """Points in the picture's axes."""
-        return points @ self.axes.T
+def deviation_pictures(mesh: TetMesh, apart: Floats, stops: Stops) -> tuple[Picture, Picture]:
+    """Of the boundary by how far each facet is from the reference, ``apart`` (b,), from one side and from the other."""
+    check_available()
+    alt = f"The farthest is {apart.max():.2e} of the diagonal away, half of them less than {np.median(apart):.2e}"
+    sides = []
+    for side, eye in (("", Eye.of(mesh)), (", from the opposite side", Eye.of(mesh, behind=True))):
+        sheet = _Sheet(eye.see(mesh.points), eye)
+        sheet.triangles(mesh.topology.boundary, colours(apart, stops))
+        sides.append(sheet.picture(f"The boundary, each triangle by its distance from the reference{side}", alt))
+    return sides[0], sides[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +92,13 @@ class _Drawn:
     bad: Ints
     outside: NDArray[np.bool_]  #: (m,) those of the bad ones that do not contain their circumcenter
 
-    def boundary(self, eye: _Eye, caption: str, alt: str) -> Picture:
+    def boundary(self, eye: Eye, caption: str, alt: str) -> Picture:
         sheet = _Sheet(eye.see(self.mesh.points), eye)
         topology = self.mesh.topology
         sheet.triangles(topology.boundary, self.by_height[topology.boundary_half_facets[:, 0]])
         return sheet.picture(caption, alt)
 
-    def inside(self, eye: _Eye, caption: str, alt: str) -> Picture:
+    def inside(self, eye: Eye, caption: str, alt: str) -> Picture:
         sheet = _Sheet(eye.see(self.mesh.points), eye)
         skin = self.mesh.topology.boundary
         sheet.glass(skin, behind=True)
@@ -147,7 +116,7 @@ class _Drawn:
 class _Sheet:
     """What is drawn first lies behind."""
 
-    def __init__(self, seen: Floats, eye: _Eye) -> None:
+    def __init__(self, seen: Floats, eye: Eye) -> None:
         from matplotlib.figure import Figure
 
         self._seen, self._eye = seen, eye
