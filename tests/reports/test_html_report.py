@@ -2,7 +2,9 @@
 
 import re
 import sys
+from base64 import b64encode
 from dataclasses import replace
+from hashlib import sha256
 from html.parser import HTMLParser
 from itertools import pairwise
 
@@ -19,6 +21,7 @@ from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.flow import Flow
 from wct_plugin.pipeline.readers_writers import ReadMesh, provenance
 from wct_plugin.pipeline.stage import find_filter
+from wct_plugin.reports import interactive_view
 from wct_plugin.reports.html_report import html
 from wct_plugin.reports.report import BINS, make_report
 
@@ -48,7 +51,7 @@ class Page(HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.open, self.text, self.attributes, self.tags = [], [], [], []
-        self.feed(text)
+        self.feed(re.sub(r'<wbr>|<span class="long">(.*?)</span>', r"\1", text))  # places where words may break
         self.close()
         assert self.open == []
         self.shown = " ".join(" ".join(self.text).split())
@@ -56,7 +59,7 @@ class Page(HTMLParser):
     def handle_starttag(self, tag, attrs):
         self.attributes += [(tag, *pair) for pair in attrs]
         self.tags.append((tag, dict(attrs)))
-        if tag not in ("meta", "br", "img"):
+        if tag not in ("meta", "br", "img", "input", "wbr"):
             self.open.append(tag)
 
     def handle_startendtag(self, tag, attrs):
@@ -66,17 +69,23 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        if self.open[-1:] != ["style"]:
+        if self.open[-1:] not in (["style"], ["script"]):
             self.text.append(data)
 
 
 def test_page_is_whole_and_needs_nothing_else():
     reports = [make_report(BEFORE, worst=3), make_report(AFTER, worst=2)]
-    text = html(reports, "a <b> & c", meshes=[BEFORE, AFTER], made=made(BEFORE))
+    text = whole = html(reports, "a <b> & c", meshes=[BEFORE, AFTER], made=made(BEFORE))
     page = Page(text)
     assert "a <b> & c" in page.shown
     assert "<b>" not in text
-    assert "<script" not in text
+    code = interactive_view.view(["a"], [AFTER], None).script.code
+    scripts = re.findall(r"<script([^>]*)>(.*?)</script>", text, re.DOTALL)
+    assert [script for kind, script in scripts if "text/plain" not in kind] == [code]
+    assert [kind for kind, _ in scripts if "text/plain" in kind] == [
+        f' type="text/plain" id="view-{name}"' for name in ("library", "settings", "mesh-0", "mesh-1")
+    ]
+    text = re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
     assert "1: <img src=x onerror=parent.ran=1>&amp;" in page.shown
     assert "2: out.vtu" in page.shown
     assert "data/" not in re.sub(r"data:image/png;base64,[^\"]*", "", text)  # names only, no folders
@@ -89,8 +98,19 @@ def test_page_is_whole_and_needs_nothing_else():
         assert name[:2] != "on"
     assert not re.search(r"url\((?!#)|@import|<link|https?://", text)
     policy = next(attrs["content"] for _, attrs in page.tags if attrs.get("http-equiv") == "Content-Security-Policy")
+    digest = b64encode(sha256(code.encode()).digest()).decode()
+    assert policy == (
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+        f"; script-src 'sha256-{digest}' blob:; font-src data:"
+    )
+    assert whole == html(reports, "a <b> & c", meshes=[BEFORE, AFTER], made=made(BEFORE))  # the same in, the same out
+
+
+def test_page_without_meshes_runs_nothing():
+    page = Page(html([make_report(AFTER)], "t"))
+    assert "script" not in {tag for tag, _ in page.tags}
+    policy = next(attrs["content"] for _, attrs in page.tags if attrs.get("http-equiv") == "Content-Security-Policy")
     assert policy == "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-    assert text == html(reports, "a <b> & c", meshes=[BEFORE, AFTER], made=made(BEFORE))  # the same in, the same out
 
 
 def test_page_can_be_read_without_seeing_it():

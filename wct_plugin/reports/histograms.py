@@ -17,6 +17,8 @@ _PANEL, _LINE, _GAP, _FOOT = 88.0, 19.0, 12.0, 38.0
 _CHARACTERS = 44
 #: Words stand over the highest bar.
 _ROOM = 1.2
+#: Longer words below a bar end there, or they would be cut off at its end.
+_SHORT = 5
 #: What is not empty is seen.
 _LEAST = 1.5
 
@@ -140,7 +142,8 @@ def _colour_bar(name: str, stops: Stops, marks: Sequence[tuple[float, str]], sai
         f'<rect x="{low:.1f}" y="22" width="{high - low:.1f}" height="14" fill="url(#{name})"/>'
     )
     words = "".join(
-        f'<text x="{scale.x(value):.1f}" y="51" text-anchor="middle">{word}</text>' for value, word in marks
+        f'<text x="{scale.x(value):.1f}" y="51" text-anchor="{"end" if len(word) > _SHORT else "middle"}">{word}</text>'
+        for value, word in marks
     )
     drawing = (
         f'<svg viewBox="0 0 {_WIDTH:g} 56" width="{_WIDTH:g}" height="56" role="img" aria-label="{said}">{bar}{words}'

@@ -4,6 +4,7 @@ A page loads nothing and runs nothing but a script it is given, which its conten
 Functions take plain text and escape it; only what is :data:`Html` already goes in as it is.
 """
 
+import re
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -49,11 +50,11 @@ svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
 .scroll { overflow-x: auto; max-width: 100%; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .3rem .75rem; text-align: right; vertical-align: top; border-bottom: 1px solid var(--line); }
-thead th { background: var(--panel); vertical-align: bottom; overflow-wrap: anywhere; }
+thead th { background: var(--panel); vertical-align: bottom; }
 thead th[scope=colgroup] { text-align: center; }
 tbody th { font-weight: 500; }
 tbody th, thead th:first-child, .words td, .words th { text-align: left; }
-.words td, .words th { overflow-wrap: anywhere; } .words :is(.good, .bad) { overflow-wrap: normal; }
+.long { overflow-wrap: anywhere; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--good); }
 :focus-visible { outline: 2px solid var(--good); outline-offset: 2px; }
 @media (max-width: 42rem) {
@@ -78,6 +79,10 @@ details { margin: .5rem 0; } summary { cursor: pointer; color: var(--good); }
 """
 #: So many columns of words fit a phone.
 _COLUMNS = 4
+#: No word of ours is longer; names of files and options may be.
+_WORD = 16
+_LONG = re.compile(rf"\S{{{_WORD + 1},}}")
+_SIGNS = re.compile(r"&\w+;|[_/\\.,:;=|)-]")
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
@@ -202,13 +207,13 @@ def _row_over(names: Sequence[str], over: Sequence[str]) -> str:
     span = (len(names) - 1) // len(over)
     return (
         "<tr><td></td>"
-        + "".join(f'<th scope="colgroup" colspan="{span}">{escape(name)}</th>' for name in over)
+        + "".join(f'<th scope="colgroup" colspan="{span}">{_breakable(name)}</th>' for name in over)
         + "</tr>"
     )
 
 
 def _heading(name: str, scope: str) -> str:
-    return f'<th scope="{scope}">{escape(name)}</th>' if name else "<td></td>"
+    return f'<th scope="{scope}">{_breakable(name)}</th>' if name else "<td></td>"
 
 
 def _row(cells: Sequence[str], names: Sequence[str]) -> str:
@@ -217,13 +222,23 @@ def _row(cells: Sequence[str], names: Sequence[str]) -> str:
     rest = "".join(
         f"<td{cell}{name}>{_marked(content)}</td>" for content, name in zip(cells[1:], given[1:], strict=True)
     )
-    return f'<tr{row}><th scope="row"{first}{given[0]}>{escape(cells[0])}</th>{rest}</tr>'
+    return f'<tr{row}><th scope="row"{first}{given[0]}>{_breakable(cells[0])}</th>{rest}</tr>'
 
 
 def _marked(cell: str) -> str:
     """A cell; yes and no are seen at a glance."""
     sign = {"yes": ("good", "✓"), "no": ("bad", "✗")}.get(cell)
-    return f'<span class="{sign[0]}">{sign[1]} {cell}</span>' if sign else escape(cell)
+    return f'<span class="{sign[0]}">{sign[1]} {cell}</span>' if sign else _breakable(cell)
+
+
+def _breakable(plain: str) -> str:
+    """Text whose words stay whole; names that are longer than any break at their signs, or where there are none."""
+    return _LONG.sub(lambda word: _parted(word.group()), escape(plain))
+
+
+def _parted(name: str) -> str:
+    pieces = _SIGNS.sub(r"\g<0> ", name).split(" ")
+    return "<wbr>".join(f'<span class="long">{piece}</span>' if len(piece) > _WORD else piece for piece in pieces)
 
 
 def _class(kind: str) -> str:

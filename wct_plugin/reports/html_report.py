@@ -174,17 +174,24 @@ def _shown(reports: Mapping[str, Report], meshes: Sequence[TetMesh]) -> _Shown:
     names, apart = list(reports), _apart(list(reports.values()), meshes)
     sides = [pictures(mesh) for mesh in meshes]
     front, back = ([(name, side[k]) for name, side in zip(names, sides, strict=True)] for k in (0, 1))
-    parts = [colour_scale(), _gallery(front), details("From the opposite side", _gallery(back))]
+    parts = [
+        section(
+            "Where the bad tets are", colour_scale(), _gallery(front), details("From the opposite side", _gallery(back))
+        )
+    ]
     if apart is not None:
         each = zip(meshes, apart.facets, strict=True)
         sides_apart = [deviation_pictures(mesh, found, apart.stops) for mesh, found in each]
         front, back = ([(name, (side[k],)) for name, side in zip(names, sides_apart, strict=True)] for k in (0, 1))
-        parts += [
-            deviation_scale(apart.stops, apart.tolerance),
-            _gallery(front),
-            details("Deviation from the opposite side", _gallery(back)),
-        ]
-    return _Shown(interactive_view.view(names, meshes, apart), section("Where the bad tets are", *parts))
+        parts.append(
+            section(
+                "How far the boundary is from the reference",
+                deviation_scale(apart.stops, apart.tolerance),
+                _gallery(front),
+                details("From the opposite side", _gallery(back)),
+            )
+        )
+    return _Shown(interactive_view.view(names, meshes, apart), join(parts))
 
 
 def _apart(reports: Sequence[Report], meshes: Sequence[TetMesh]) -> Apart | None:

@@ -27,8 +27,8 @@ from wct_plugin.types import Floats
 
 #: So many meshes are shown beside each other; a browser has only so many WebGL contexts.
 _MOST_MESHES = 4
-#: The camera sees so many degrees from below to above, and a little less than so much more from left to right.
-_DEGREES, _ASPECT = 30.0, 1.05
+#: The camera sees so many degrees from below to above.
+_DEGREES = 30.0
 _OFF = "The 3D view needs JavaScript and WebGL 2; the pictures below show the same without."
 
 STYLE = """
@@ -156,20 +156,17 @@ def _settings(
         "high": np.max([points.max(axis=0) for points in inside], axis=0).tolist(),
         "center": frame.center.tolist(),
         "size": frame.size,
-        "camera": _camera(eye, np.concatenate(inside)),
-        "degrees": _DEGREES,
+        "eye": _eye(eye, np.concatenate(inside)),
         "up": eye.upward,
     }
 
 
-def _camera(eye: Eye, points: Floats) -> list[float]:
-    """Where it is, what it looks at and which way is up there, so that all points are in the picture."""
+def _eye(eye: Eye, points: Floats) -> dict[str, Any]:
+    """Right, up and away, the middle of what is seen and how far it reaches from there, and the camera's angle."""
     seen = eye.see(points)
     low, high = seen.min(axis=0), seen.max(axis=0)
-    half, target = (high - low) / 2.0, (low + high) / 2.0
-    distance = half[2] + 1.05 * max(half[1], half[0] / _ASPECT) / np.tan(np.radians(_DEGREES / 2.0))
-    target, place = target @ eye.axes, (target + np.array([0.0, 0.0, distance])) @ eye.axes
-    return [*place.tolist(), *target.tolist(), *eye.axes[1].tolist()]
+    middle, reach = (low + high) / 2.0 @ eye.axes, (high - low) / 2.0
+    return {"axes": eye.axes.tolist(), "middle": middle.tolist(), "reach": reach.tolist(), "degrees": _DEGREES}
 
 
 def _markup(names: Sequence[str], packed: Sequence[Packed], stops: Mapping[str, Stops]) -> Html:

@@ -88,7 +88,7 @@ function colouring(one, settings) {
 function chosen(one, settings) {
   const cut = control("clip").value, kept = new Uint8Array(one.flags.length), shown = new Uint8Array(one.flags.length);
   const place = clipAt(settings);
-  const side = (control("flip").checked ? -1 : 1) * Math.sign(settings.camera[cut] || 1);  // the cut is seen first
+  const side = (control("flip").checked ? -1 : 1) * Math.sign(settings.eye.axes[2][cut] || 1);  // the cut is seen first
   const [name, order] = control("threshold").value.split(" ");
   const limit = limitAt(settings), scale = settings.scales[name], alone = control("alone").checked;
   for (let t = 0; t < kept.length; t++) {
@@ -107,6 +107,13 @@ const limitAt = settings => {
   const scale = settings.scales[control("threshold").value.split(" ")[0]];
   return scale && scale.low + control("limit").value / 1000 * (scale.high - scale.low);
 };
+
+// Where the camera is, what it looks at and which way is up, so that all of the box is in the picture.
+function camera({ axes, middle, reach, degrees }, place) {
+  const aspect = place.clientWidth / place.clientHeight;
+  const away = reach[2] + 1.06 * Math.max(reach[1], reach[0] / aspect) / Math.tan(degrees / 360 * Math.PI);
+  return [...middle.map((at, k) => at + away * axes[2][k]), ...middle, ...axes[1]];
+}
 
 // A mesh of K3D from facets, each with corners of its own, so that each has its own colour.
 function facets(one, found, id, more, paint) {
@@ -174,12 +181,12 @@ async function start() {
   for (const [k, place] of [...view.querySelectorAll(".stage")].entries()) {
     const plot = new lib.K3D(lib.ThreeJsProvider, place, {
       menuVisibility: false, gridVisible: false, cameraAutoFit: false, cameraMode: "orbit", cameraUpAxis: settings.up,
-      cameraFov: settings.degrees, axesHelper: 1, lighting: 1.6, cameraDampingFactor: 0,
+      cameraFov: settings.eye.degrees, axesHelper: 1, lighting: 1.6, cameraDampingFactor: 0,
     });
-    stages.push({ plot, one: await mesh(settings.meshes[k], k), said: place.parentElement.querySelector("output") });
+    stages.push({ plot, place, one: await mesh(settings.meshes[k], k), said: place.parentElement.querySelector("output") });
   }
   const ground = () => stages.forEach(({ plot }) => plot.setClearColor(dark.matches ? 0x1b222b : 0xf5f7f9));
-  const home = () => stages[0].plot.setCamera(settings.camera);
+  const home = () => stages.forEach(({ plot, place }) => plot.setCamera(camera(settings.eye, place)));
   let linked = false;
   stages.forEach(({ plot }) => plot.on(plot.events.CAMERA_CHANGE, camera => {
     if (linked) return;
@@ -203,7 +210,7 @@ async function start() {
   view.classList.add("on");
   ground();
   show();
-  stages.forEach(({ plot }) => plot.setCamera(settings.camera));
+  home();
 }
 
 const context = document.createElement("canvas").getContext("webgl2");
