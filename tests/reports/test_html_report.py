@@ -19,7 +19,8 @@ from wct_plugin.measure.quality import measure
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.pipeline.flow import Flow
-from wct_plugin.pipeline.readers_writers import ReadMesh, provenance
+from wct_plugin.pipeline.readers_writers import ReadMesh
+from wct_plugin.pipeline.remaking import provenance, remaking
 from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.reports import interactive_view
 from wct_plugin.reports.html_report import html
@@ -42,7 +43,8 @@ def left_in(mesh):
 def made(mesh):
     """How a mesh was made, with options of every kind."""
     read = Flow.of(ReadMesh(filename=NASTY), mesh, 0.25)
-    return provenance(read.through(find_filter("meshing_well_centered")(boundary="keep"), mesh, {}, 1.25))
+    flow = read.through(find_filter("meshing_well_centered")(boundary="keep"), mesh, {}, 1.25)
+    return provenance(flow) | {"again": remaking(flow)}
 
 
 class Page(HTMLParser):

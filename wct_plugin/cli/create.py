@@ -14,6 +14,7 @@ from wct_plugin.errors import OptionError, WctError
 from wct_plugin.pipeline.graph import Step, unplaced_errors
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.readers_writers import WriteMesh
+from wct_plugin.pipeline.remaking import flag
 from wct_plugin.pipeline.stage import FilterStage, Options, did_you_mean, filter_names, find_filter
 from wct_plugin.pipeline.stage_page import about
 
@@ -62,7 +63,7 @@ def _command(name: str, stage: type[FilterStage[Options]]) -> click.Command:
     )
     with_target = click.argument("target", metavar="OUT")(with_options)
     command = click.command(name, help=about(stage), short_help=stage.summary())(with_target)
-    given = (part for option, value in stage.example.items() for part in (filter_options.flag(option), str(value)))
+    given = (part for option, value in stage.example.items() for part in (flag(option), str(value)))
     return with_comfort(command, shlex.join(["wct", "create", name, f"{name}.vtu", *given]))
 
 

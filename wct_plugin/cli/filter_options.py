@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 
 from wct_plugin.io.standard_streams import STREAM
 from wct_plugin.pipeline.readers_writers import MeshFileOptions, SourceOptions, TargetOptions
+from wct_plugin.pipeline.remaking import flag, parameter
 from wct_plugin.pipeline.stage import find_filter
 from wct_plugin.pipeline.stage_page import choices, describe_default, describe_range, words
 
@@ -25,16 +26,6 @@ def _click_type(field: FieldInfo) -> Any:
 def _fields(*names: str) -> dict[str, FieldInfo]:
     found = [find_filter(name).declaration.model_fields.items() for name in reversed(names)]
     return {option: field for fields in found for option, field in fields}
-
-
-def _parameter(option: str, prefix: str) -> str:
-    """The command line's name of a filter's option; ``--mesher-mesher`` would be a stutter."""
-    return option if prefix == f"{option}_" else prefix + option
-
-
-def flag(option: str, prefix: str = "") -> str:
-    """The flag of an option."""
-    return "--" + _parameter(option, prefix).replace("_", "-")
 
 
 def filter_options(*filters: str, prefix: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -95,7 +86,7 @@ def regions_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def given_msh(values: dict[str, Any]) -> dict[str, Any]:
     """Take those of the command's ``values`` that are for writing gmsh files out, and give the ones that were set."""
-    found = {option: values.pop(_parameter(option, MSH_PREFIX)) for option in _msh_fields()}
+    found = {option: values.pop(parameter(option, MSH_PREFIX)) for option in _msh_fields()}
     return {option: value for option, value in found.items() if value is not None}
 
 
@@ -111,7 +102,7 @@ def _options(fields: dict[str, FieldInfo], prefix: str) -> Callable[[Callable[..
             range_and_default = ["" if choice else describe_range(field), f"default {describe_default(field)}"]
             shown = f"{field.description}  [{'; '.join(filter(None, range_and_default))}]"
             metavar = f"[{choice}]" if choice else None
-            names = (flag(option, prefix), _parameter(option, prefix))
+            names = (flag(option, prefix), parameter(option, prefix))
             kind: dict[str, Any] = {"type": _click_type(field), "metavar": metavar}
             kind["shell_complete"] = _completing(field)
             if field.default is False:
@@ -129,7 +120,7 @@ def _completing(field: FieldInfo) -> Callable[[click.Context, click.Parameter, s
 
 def given(values: dict[str, Any], *names: str, prefix: str = "") -> dict[str, Any]:
     """Those of the command's ``values`` that were given for the filters' options."""
-    found = {option: values[_parameter(option, prefix)] for option in _fields(*names)}
+    found = {option: values[parameter(option, prefix)] for option in _fields(*names)}
     return {option: value for option, value in found.items() if value is not None}
 
 

@@ -34,12 +34,12 @@ from wct_plugin.pipeline.readers_writers import (
     mesh_reader,
     report_content,
 )
+from wct_plugin.pipeline.remaking import MESHER_PREFIX, flag
 from wct_plugin.pipeline.stage import FilterStage, Options, find_filter
 
 #: The filters ``wct optimize`` may run, the default first.
 OPTIMIZERS = ("meshing_well_centered", "apply_coord_well_centering")
 _MESHER = "generate_tetrahedralization"
-_MESHER_PREFIX = "mesher_"
 
 
 @click.command()
@@ -52,7 +52,7 @@ _MESHER_PREFIX = "mesher_"
     help="What improves the tets; the options below are those of the default, `wct filters NAME` shows another's",
 )
 @filter_options.filter_options(*OPTIMIZERS)
-@filter_options.filter_options(_MESHER, prefix=_MESHER_PREFIX)
+@filter_options.filter_options(_MESHER, prefix=MESHER_PREFIX)
 @filter_options.order_option
 @filter_options.msh_options
 @in_and_out
@@ -98,7 +98,7 @@ def optimize(
     over = writes_over(source, target, allowed=bool(values["force"]))
     if over and (optimizer_name != OPTIMIZERS[0] or values["goal"] in DUAL):
         values["force"] = None  # which is for the file alone there
-    mesher_options = filter_options.given(values, _MESHER, prefix=_MESHER_PREFIX)
+    mesher_options = filter_options.given(values, _MESHER, prefix=MESHER_PREFIX)
     with told_as_lengths(lambda: read(source, suffix=input_format, regions=regions, repair=repair)):
         optimizer = find_filter(optimizer_name)(**filter_options.given(values, *OPTIMIZERS))
         mesher = find_filter(_MESHER)(**mesher_options)
@@ -114,17 +114,17 @@ def optimize(
     if isinstance(mesh, SurfaceMesh):
         filters = [mesher, optimizer]
     elif mesher_options:
-        flag = filter_options.flag(next(iter(mesher_options)), _MESHER_PREFIX)
-        raise OptionError(f"{flag} is for surfaces; {source} has tets already")
+        named = flag(next(iter(mesher_options)), MESHER_PREFIX)
+        raise OptionError(f"{named} is for surfaces; {source} has tets already")
+    reader = mesh_reader(source, regions, input_format=input_format, repair=repair, max_bytes=max_bytes)
     if print_pipeline:
-        reader = mesh_reader(source, regions, input_format=input_format, repair=repair, max_bytes=max_bytes)
         chain = _optimizing(reader, filters, writers)
         with unplaced_errors():
             chain.check()
         write_text("-", json_form.text(chain.to_json()))
         return GOAL_MET
     with unplaced_errors(), progress_bar() as progress:
-        result = _optimizing(mesh_reader(mesh), filters, writers).execute(limit.beside(progress))
+        result = _optimizing(reader.holding(mesh), filters, writers).execute(limit.beside(progress))
     optimized = len(filters)  # the stage that improves; its mesh as written is what the next one hands on
     flows = {"before": result.stages[optimized - 1].flow, "after": result.stages[optimized + 1].flow}
     if json_path == "-":

@@ -4,6 +4,7 @@ import json
 import os
 from abc import abstractmethod
 from collections.abc import Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -26,7 +27,8 @@ from wct_plugin.io.standard_streams import STREAM, check_target
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.flow import Flow, side_by_side
-from wct_plugin.pipeline.provenance import environment, options_of, plain
+from wct_plugin.pipeline.provenance import plain
+from wct_plugin.pipeline.remaking import provenance, remaking
 from wct_plugin.pipeline.stage import Kind, Mesh, O_co, Options, Stage, check_kind
 from wct_plugin.reports import html_report
 
@@ -169,6 +171,12 @@ class ReadMesh(Reader[SourceOptions]):
             max_bytes=wanted.max_bytes,
         )
 
+    def holding(self, mesh: Mesh) -> "ReadMesh":
+        """This one with what its file gave already, which it does not read again."""
+        held = copy(self)
+        held.options = self.options.model_copy(update={"filename": mesh})
+        return held
+
 
 class TargetOptions(FileOptions):
     """A mesh file by name."""
@@ -298,32 +306,15 @@ class WriteReport(Writer[ReportOptions]):
 
 
 def _page(flows: Mapping[str, Flow], worst: int) -> str:
-    reports = side_by_side(flows, worst)
+    reports, last = side_by_side(flows, worst), list(flows.values())[-1]
     sources = [Path(one.source).name for one in reports.values() if one.source]
     return html_report.html(
         list(reports.values()),
         " → ".join(sources) or "Report",
         names=list(reports),
         meshes=[flow.mesh for flow in flows.values() if isinstance(flow.mesh, TetMesh)],
-        made=provenance(list(flows.values())[-1]),
+        made=provenance(last) | {"again": remaking(last)},
     )
-
-
-def provenance(flow: Flow) -> dict[str, Any]:
-    """How a mesh was made, ready for JSON: the stages it came through with options and seconds, and the versions."""
-    return {
-        "stages": [
-            {
-                "type": one.stage.type(),
-                "options": options_of(one.stage),
-                "given": sorted(one.stage.options.model_fields_set),
-                "mesh": one.size,
-                "seconds": one.seconds,
-            }
-            for one in flow.history
-        ],
-        **environment(),
-    }
 
 
 def report_content(flows: Mapping[str, Flow], worst: int = 10) -> dict[str, Any]:

@@ -55,6 +55,8 @@ thead th[scope=colgroup] { text-align: center; }
 tbody th { font-weight: 500; }
 tbody th, thead th:first-child, .words td, .words th { text-align: left; }
 .long { overflow-wrap: anywhere; }
+pre { background: var(--panel); border: 1px solid var(--line); border-radius: .3rem; padding: .5rem .7rem;
+  white-space: pre-wrap; overflow-wrap: anywhere; font: .9rem/1.5 ui-monospace, monospace; }
 details { margin: .5rem 0; } summary { cursor: pointer; color: var(--good); }
 :focus-visible { outline: 2px solid var(--good); outline-offset: 2px; }
 @media (max-width: 42rem) {
@@ -120,6 +122,11 @@ def page(title: str, body: Iterable[Html], *, style: str = "", script: Script | 
 def paragraph(plain: str, kind: str = "") -> Html:
     """A paragraph; ``kind``: ``muted``, ``good`` or ``bad``."""
     return Html(f"<p{_class(kind)}>{escape(plain)}</p>")
+
+
+def code(plain: str) -> Html:
+    """What is typed as it is; its lines are folded where they are too long."""
+    return Html(f'<pre><code>{escape(plain)}</code></pre>')
 
 
 def join(parts: Iterable[Html]) -> Html:

@@ -19,6 +19,7 @@ from wct_plugin.reports.html_elements import (
     Card,
     Html,
     cards,
+    code,
     columns,
     details,
     grid,
@@ -56,8 +57,8 @@ def html(
     """One page of the reports side by side; nothing in it is loaded from elsewhere.
 
     ``names``: what to call each (default: its number and file). ``meshes``: those reported, for the pictures. ``made``:
-    how the last one was made, as :func:`wct_plugin.pipeline.readers_writers.provenance` gives it; the page then is
-    about that one, and the first is what it was before.
+    how the last one was made, as :func:`wct_plugin.pipeline.remaking.provenance` gives it, and under ``again`` what
+    makes it again; the page then is about that one, and the first is what it was before.
 
     Raises :class:`wct_plugin.errors.WctError` without matplotlib, which draws the pictures.
     """
@@ -335,7 +336,8 @@ def _made(made: Mapping[str, Any]) -> Html:
             for name, value in one["options"].items()
         ]
         parts.append(table(f"Options of {one['type']}", ("option", "value", "set"), rows, words=True))
-    return section("How it was made", columns(parts))
+    again = [paragraph("The same again, where the files are:"), code(made["again"])] if made.get("again") else []
+    return section("How it was made", *again, columns(parts))
 
 
 def _value(value: Any) -> str:
