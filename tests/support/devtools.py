@@ -49,7 +49,7 @@ class Tab:
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600
         )
         self._call("Page.navigate", url=page.absolute().as_uri())
-        self.wait_for("document.readyState === 'complete' && location.protocol === 'file:'")
+        self.wait_for(f"document.readyState === 'complete' && location.href.endsWith({json.dumps(page.name)})")
 
     def run(self, script: str) -> Any:
         """The value of an expression, a promise's once it is there."""
@@ -64,6 +64,23 @@ class Tab:
         while not self.run(condition):
             assert time.monotonic() < end, f"not within {seconds} s: {condition}; the page said {self.said}"
             time.sleep(0.05)
+
+    def scroll_to(self, element: str) -> None:
+        """Until it is in the middle."""
+        middle = "{block: 'center', behavior: 'instant'}"
+        self.run(f"document.querySelector({json.dumps(element)}).scrollIntoView({middle})")
+
+    def drag(self, element: str, right: int, down: int) -> None:
+        """Press the mouse in the middle of an element and move it."""
+        self.scroll_to(element)
+        x, y = self.run(
+            f"(box => [box.left + box.width / 2, box.top + box.height / 2])"
+            f"(document.querySelector({json.dumps(element)}).getBoundingClientRect())"
+        )
+        mouse = {"button": "left", "clickCount": 1}
+        self._call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, **mouse)
+        self._call("Input.dispatchMouseEvent", type="mouseMoved", x=x + right, y=y + down, buttons=1, **mouse)
+        self._call("Input.dispatchMouseEvent", type="mouseReleased", x=x + right, y=y + down, **mouse)
 
     def picture(self, element: str = "") -> NDArray[np.uint8]:
         """(height, width, 3) of the first element that a selector names, or of all of the page."""

@@ -23,7 +23,7 @@ from wct_plugin.reports.colour_scales import Rgb, Stops, hexadecimal
 from wct_plugin.reports.eye import Eye
 from wct_plugin.reports.html_elements import Html, Script, paragraph, section
 from wct_plugin.reports.view_data import MOST, Frame, Packed, Scale, compressed, pack
-from wct_plugin.types import Floats
+from wct_plugin.types import Floats, Ints
 
 #: So many meshes are shown beside each other; a browser has only so many WebGL contexts.
 _MOST_MESHES = 4
@@ -114,10 +114,10 @@ def view(names: Sequence[str], meshes: Sequence[TetMesh], apart: Apart | None) -
     if apart is not None:
         stops["deviation"] = apart.stops
     scales = {name: Scale(one[0][0], one[-1][0]) for name, one in stops.items()}
-    packed = [
-        pack(mesh, frame, scales, apart.facets[k] if apart is not None else None) for k, mesh in enumerate(meshes)
-    ]
-    settings = _settings(meshes, frame, stops, packed)
+    tags = np.unique(np.concatenate([mesh.regions for mesh in meshes]))
+    far = apart.facets if apart is not None else [None] * len(meshes)
+    packed = [pack(mesh, frame, scales, tags, one) for mesh, one in zip(meshes, far, strict=False)]
+    settings = _settings(meshes, frame, stops, tags) | {"meshes": [one.about for one in packed]}
     script = Script(files("wct_plugin.reports").joinpath("view.js").read_text(encoding="utf-8"))
     data = [_data("view-library", code), _data("view-settings", json.dumps(settings))]
     data += [_data(f"view-mesh-{k}", one.text) for k, one in enumerate(packed)]
@@ -125,7 +125,7 @@ def view(names: Sequence[str], meshes: Sequence[TetMesh], apart: Apart | None) -
 
 
 def _settings(
-    meshes: Sequence[TetMesh], frame: Frame, stops: Mapping[str, Stops], packed: Sequence[Packed]
+    meshes: Sequence[TetMesh], frame: Frame, stops: Mapping[str, Stops], tags: Ints
 ) -> dict[str, Any]:
     eye = Eye.of(meshes[-1])
     inside = [frame.place(mesh.points) for mesh in meshes]
@@ -136,9 +136,7 @@ def _settings(
         "deviation": ("0", f"{stops.get('deviation', [(0.0, ())])[-1][0]:.2e}",
                       "distance of each boundary triangle from the reference, of the diagonal; grey inside"),
     }  # fmt: skip
-    tags = sorted({int(tag) for mesh in meshes for tag in np.unique(mesh.regions)})
     return {
-        "meshes": [one.about for one in packed],
         "scales": {
             name: {
                 "low": one[0][0],

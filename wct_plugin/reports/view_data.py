@@ -64,8 +64,11 @@ class Packed:
     note: str  #: what was left out, in words; empty where nothing was
 
 
-def pack(mesh: TetMesh, frame: Frame, scales: Mapping[str, Scale], apart: Floats | None) -> Packed:
-    """The tets that :func:`chosen` takes; ``apart`` (b,) is the deviation of each boundary facet, if it is known."""
+def pack(mesh: TetMesh, frame: Frame, scales: Mapping[str, Scale], tags: Ints, apart: Floats | None) -> Packed:
+    """The tets that :func:`chosen` takes, each with the place of its region among all ``tags``.
+
+    ``apart`` (b,) is the deviation of each boundary facet, if it is known.
+    """
     measured = quality.measure(mesh)
     kind = np.where(measured.completely_well_centered, 0, np.where(measured.well_centered_3, 1, 2))
     tets, note = chosen(mesh, kind, measured.min_height)
@@ -76,11 +79,10 @@ def pack(mesh: TetMesh, frame: Frame, scales: Mapping[str, Scale], apart: Floats
     if apart is not None:
         deviation[tet] = 0.0
         np.maximum.at(deviation, tet, apart)
-    _, region = np.unique(mesh.regions, return_inverse=True)
     arrays = {
         "points": ("f4", frame.place(mesh.points[used])),
         "tets": ("u4", corners),
-        "region": ("u4", region[tets]),
+        "region": ("u4", np.searchsorted(tags, mesh.regions[tets])),
         "height": ("u2", scales["height"].packed(measured.min_height[tets])),
         "angle": ("u2", scales["angle"].packed(measured.max_face_angle[tets])),
         "deviation": ("u2", scales["deviation"].packed(deviation[tets])) if "deviation" in scales else ("u2", []),
@@ -107,7 +109,8 @@ def chosen(mesh: TetMesh, kind: Ints, height: Floats) -> tuple[Ints, str]:
     taken, notes = boundary.copy(), []
     _add(taken, (kind > 0) & ~boundary, height, MOST - int(boundary.sum()), "bad tets inside, the worst", notes)
     room = min(MOST_INNER, MOST - int(taken.sum()))
-    _add(taken, (kind == 0) & ~boundary, _from_middle(mesh), room, "good tets inside, those nearest to the middle planes", notes)
+    nearest = "good tets inside, those nearest to the middle planes"
+    _add(taken, (kind == 0) & ~boundary, _from_middle(mesh), room, nearest, notes)
     return np.flatnonzero(taken), "; ".join(notes)
 
 
