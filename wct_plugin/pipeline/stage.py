@@ -18,6 +18,7 @@ from wct_plugin.errors import FractionError, OptionError, WctError
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.pipeline.faults import told_apart
+from wct_plugin.pipeline.short_metrics import ShortMetrics
 from wct_plugin.progress import ProgressCallback, ProgressChoice
 from wct_plugin.types import Metrics
 from wct_plugin.waiting.printed import told
@@ -123,7 +124,8 @@ class FilterStage(Stage[O_co]):
         self.check_takes(None if mesh is None else type(mesh))
         self.validate()
         with told(progress) as callback:
-            return told_apart(self.run, mesh, callback)
+            made, metrics = told_apart(self.run, mesh, callback)
+        return made, ShortMetrics(metrics)
 
     @abstractmethod
     def run(self, mesh: Any, progress: ProgressCallback) -> tuple[Mesh, Metrics]:
@@ -246,6 +248,8 @@ def apply_filter(
     name: str, mesh: Any = None, /, *, progress: ProgressChoice = None, **options: Any
 ) -> tuple[Mesh, Metrics]:
     """Run one filter on ``mesh`` and give the new mesh and the filter's metrics; ``mesh`` stays as it is.
+
+    The metrics are a dict that prints in short; ``print(dict(metrics))`` prints all of it.
 
     ``mesh`` may be one of other libraries too, see :func:`wct_plugin.objects.conversions.as_mesh`; the new one is ours.
     ``progress=True`` prints where the work stands; a function is called with it, and stops the work by giving False.
