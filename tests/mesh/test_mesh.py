@@ -9,7 +9,7 @@ from support.builders import jittered_cube, kuhn_cube, regular_tet
 from wct_plugin.errors import InputError
 from wct_plugin.exact import polynomial_signs
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, faults
-from wct_plugin.mesh.mesh import Repairs
+from wct_plugin.mesh.repairs import Repairs
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], dtype=float)
 TETS = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])  # the second one is positive too

@@ -6,8 +6,8 @@ from support.builders import jittered_cube
 
 from wct_plugin.errors import NoMeshError
 from wct_plugin.mesh import TetMesh, faults
-from wct_plugin.mesh.mesh import Repairs
 from wct_plugin.mesh.repair import mend
+from wct_plugin.mesh.repairs import Repairs
 
 #: A square with a point above and one below, one inside the half of corners 0, 1, 3, one on the side 0 1.
 POINTS = np.array(

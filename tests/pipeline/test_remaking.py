@@ -26,7 +26,7 @@ def said(page):
     [
         (["--goal", "3wc", "--local-tolerance", "false"], "--goal 3wc --local-tolerance false"),
         (["--force", "--boundary", "*=fixed", "--seed", "3"], "--boundary '*=fixed' --seed 3 --force"),
-        (["--filter", "apply_coord_well_centering", "--margin", "0.1"], "--filter apply_coord_well_centering --margin 0.1"),
+        (["--filter", "apply_coord_well_centering", "--margin", "0.1"], "apply_coord_well_centering --margin 0.1"),
         (["--repair", "--input-format", "vtu"], "--repair"),
     ],
 )  # fmt: skip

@@ -204,7 +204,7 @@ def test_inner_tets_are_thinned_and_the_page_says_so(monkeypatch):
     assert f"In the page are 10 of {inner} good tets inside, those nearest to the middle planes." in text
     about = json.loads(re.search(r'id="view-settings">(.*?)</script>', text)[1])["meshes"][0]
     assert about["tets"] == len(mesh.tets)
-    assert dict((name, count) for name, _, count in about["arrays"])["flags"] == len(mesh.tets) - inner + 10
+    assert {name: count for name, _, count in about["arrays"]}["flags"] == len(mesh.tets) - inner + 10
     monkeypatch.setattr(view_data, "MOST", len(mesh.tets) - inner + 3)
     bad = shaken_cube(4)
     kind = np.full(len(bad.tets), 2)

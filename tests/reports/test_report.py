@@ -13,7 +13,7 @@ from wct_plugin.measure.duals import compute_duals
 from wct_plugin.measure.negative_duals import count_negative_duals
 from wct_plugin.measure.solver_view import view
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.mesh.mesh import Repairs
+from wct_plugin.mesh.repairs import Repairs
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.obstructions.remaining_tets import list_remaining
 from wct_plugin.reports.report import make_report

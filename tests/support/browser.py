@@ -13,8 +13,9 @@ from typing import Any
 SCREENS = {"phone": (375, "light"), "dark": (375, "dark"), "desktop": (1280, "light")}
 
 _FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-3d-apis", "--disable-quic", "--disable-dev-shm-usage", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-3d-apis", "--disable-quic", "--disable-dev-shm-usage",
+    "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--hide-scrollbars",
 )  # fmt: skip
 
 #: Runs outside the pages, which run nothing themselves.

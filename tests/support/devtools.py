@@ -1,4 +1,4 @@
-"""A page in a running Chromium without a window, told what to do over a pipe: scripts run in it, pictures taken of it."""
+"""A page in a running Chromium without a window, told over a pipe what to do; scripts run in it, pictures are taken."""
 
 import base64
 import json
@@ -21,8 +21,8 @@ SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--igno
 NO_GL = ("--disable-gpu", "--disable-3d-apis")
 
 _FLAGS = (
-    "--headless", "--no-sandbox", "--remote-debugging-pipe", "--disable-dev-shm-usage", "--no-first-run", "--disable-quic",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
+    "--headless", "--no-sandbox", "--remote-debugging-pipe", "--disable-dev-shm-usage", "--no-first-run",
+    "--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
 )  # fmt: skip
 
 

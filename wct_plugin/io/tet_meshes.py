@@ -10,9 +10,10 @@ from wct_plugin.errors import InputError, NoMeshError
 from wct_plugin.io.corners import CurvedEdges
 from wct_plugin.mesh import Cells, TetMesh, cell_kinds, faults, second_order
 from wct_plugin.mesh.index_arrays import find_rows
-from wct_plugin.mesh.mesh import Repairs, check_range
+from wct_plugin.mesh.mesh import check_range
 from wct_plugin.mesh.other_cells import OtherCells, facets_at, find_contact
 from wct_plugin.mesh.repair import mend
+from wct_plugin.mesh.repairs import Repairs
 from wct_plugin.mesh.topology import EDGES
 from wct_plugin.types import Bools, Floats, Ints
 

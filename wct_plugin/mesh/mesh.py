@@ -4,7 +4,7 @@ Arrays are float64 / int64, native byte order, C-contiguous and read-only; a mes
 :func:`dataclasses.replace`, which validates again. Topology is derived when first asked for (``topology.py``).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -18,6 +18,8 @@ from wct_plugin.exact import predicates
 from wct_plugin.mesh import faults
 from wct_plugin.mesh.in_words import in_words
 from wct_plugin.mesh.pickled import Pickled
+from wct_plugin.mesh.repairs import Repairs
+from wct_plugin.mesh.shown import Shown
 from wct_plugin.mesh.topology import Topology
 from wct_plugin.types import Floats, Ints
 
@@ -27,41 +29,6 @@ if TYPE_CHECKING:  # they are made of what is defined here
 
 _KIND = {1: "vertex", 2: "edge", 3: "triangle", 4: "tet"}
 _KIND_S = {1: "vertices", 2: "edges", 3: "triangles"}
-
-
-@dataclass(frozen=True)
-class Repairs:
-    """What construction mended in the given arrays, so that nothing is changed silently."""
-
-    flipped: int = 0  #: tets whose orientation was reversed (they came with negative volume)
-    orphan_points: int = 0  #: points no tet uses, dropped
-    stray_cells: int = 0  #: tagged facets, edges and vertices on dropped points, dropped with them
-    repeated: int = 0  #: tets whose vertices are those of another one, dropped
-    degenerate: int = 0  #: tets with a vertex twice, dropped
-    flat: int = 0  #: tets of zero volume with the domain on one side only, dropped
-    folded: int = 0  #: tets that lay over others, folded back at the boundary or all but flat, dropped
-    mended: int = 0  #: tets of zero volume inside, gone by cutting the tets round them
-    added_points: int = 0  #: points where edges of such tets cross, added
-
-    def __bool__(self) -> bool:
-        return any(vars(self).values())
-
-    def __add__(self, other: "Repairs") -> "Repairs":
-        return Repairs(**{name: count + getattr(other, name) for name, count in vars(self).items()})
-
-    def __str__(self) -> str:
-        counts = {
-            "repeated tets dropped": self.repeated,
-            "tets with a vertex twice dropped": self.degenerate,
-            "tets of zero volume dropped": self.flat,
-            "tets folded over others dropped": self.folded,
-            "tets of zero volume cut away": self.mended,
-            "points added for that": self.added_points,
-            "negatively oriented tets turned round": self.flipped,
-            "points without a tet dropped": self.orphan_points,
-            "tagged cells without a tet dropped": self.stray_cells,
-        }
-        return ", ".join(faults.counted(count, what) for what, count in counts.items() if count) or "nothing"
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +76,8 @@ def _no_cells(width: int) -> Cells:
     return Cells(np.empty((0, width), dtype=np.int64))
 
 
-@dataclass(frozen=True, eq=False)
-class SurfaceMesh(Pickled):
+@dataclass(frozen=True, eq=False, repr=False)
+class SurfaceMesh(Pickled, Shown):
     """A triangle surface: what a mesher fills, and what an output boundary is measured against.
 
     ``points`` (n, 3), ``triangles`` (k, 3), ``tags`` (k,), data by name, ``source`` the file it came from.
@@ -139,9 +106,14 @@ class SurfaceMesh(Pickled):
         store_mapping(self, "point_data", checked_data(self.point_data, len(points), "point"))
         store_mapping(self, "cell_data", checked_data(self.cell_data, len(triangles), "triangle"))
 
-    def __repr__(self) -> str:
-        counts = {"points": len(self.points), "triangles": len(self.triangles)}
-        return in_words(self, self.source, counts, {"point data": self.point_data, "triangle data": self.cell_data})
+    def _counts(self) -> dict[str, int]:
+        return {"points": len(self.points), "triangles": len(self.triangles)}
+
+    def _named(self) -> dict[str, Iterable[Any]]:
+        return {"point data": self.point_data, "triangle data": self.cell_data}
+
+    def _cells(self) -> tuple[Ints, Ints]:
+        return self.triangles, self.tags
 
     @property
     def diagonal(self) -> float:
@@ -149,8 +121,8 @@ class SurfaceMesh(Pickled):
         return float(np.linalg.norm(np.ptp(self.points[np.unique(self.triangles)], axis=0)))
 
 
-@dataclass(frozen=True, eq=False)
-class TetMesh(Pickled):
+@dataclass(frozen=True, eq=False, repr=False)
+class TetMesh(Pickled, Shown):
     """A tetrahedral mesh with everything that hangs on it.
 
     ``points`` (n, 3) and ``tets`` (m, 4), positively oriented: ``det(x1-x0, x2-x0, x3-x0) > 0``, exactly.
@@ -182,7 +154,7 @@ class TetMesh(Pickled):
     tag_name: str = "gmsh:physical"
     reference: SurfaceMesh | None = None
     source: str = ""
-    repairs: Repairs = Repairs()
+    repairs: Repairs = field(default_factory=Repairs)
     periodic: bool = False
     others: "OtherCells | None" = None
     second_order: "SecondOrder | None" = None
@@ -246,12 +218,18 @@ class TetMesh(Pickled):
             _set(self, "others", self.others.renumbered(np.where(used, place, -1)))
         return stray
 
-    def __repr__(self) -> str:
+    def _counts(self) -> dict[str, int]:
         counts = {"points": len(self.points), "tets": len(self.tets), "regions": len(np.unique(self.regions))}
         counts |= {f"tagged {what}": len(getattr(self, what)) for what in ("facets", "edges", "nodes")}
         counts["other cells"] = sum(map(len, self.others.cells.values())) if self.others else 0
+        return counts
+
+    def _named(self) -> dict[str, Iterable[Any]]:
         names = {"names": self.names, "tet sets": self.tet_sets, "point sets": self.point_sets}
-        return in_words(self, self.source, counts, {**names, "point data": self.point_data, "tet data": self.cell_data})
+        return {**names, "point data": self.point_data, "tet data": self.cell_data}
+
+    def _cells(self) -> tuple[Ints, Ints]:
+        return self.tets, self.regions
 
     @cached_property
     def topology(self) -> Topology:

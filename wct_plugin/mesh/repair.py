@@ -18,7 +18,8 @@ from wct_plugin.exact import predicates
 from wct_plugin.exact.polynomial_signs import exact_signs
 from wct_plugin.mesh import faults
 from wct_plugin.mesh.index_arrays import components
-from wct_plugin.mesh.mesh import Repairs, and_more
+from wct_plugin.mesh.mesh import and_more
+from wct_plugin.mesh.repairs import Repairs
 from wct_plugin.mesh.topology import FACETS, crowded_facets
 from wct_plugin.types import Bools, Floats, Ints
 

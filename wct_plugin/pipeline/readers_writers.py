@@ -172,7 +172,7 @@ class ReadMesh(Reader[SourceOptions]):
         )
 
     def holding(self, mesh: Mesh) -> "ReadMesh":
-        """This one with what its file gave already, which it does not read again."""
+        """The same with what its file gave already, which it does not read again."""
         held = copy(self)
         held.options = self.options.model_copy(update={"filename": mesh})
         return held

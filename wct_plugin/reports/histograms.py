@@ -8,8 +8,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.reports.html_elements import Html, details, table
 from wct_plugin.reports.colour_scales import HEIGHT, OBTUSE, Stops, hexadecimal
+from wct_plugin.reports.html_elements import Html, details, table
 
 _WIDTH, _LEFT, _RIGHT = 460.0, 52.0, 22.0
 _PANEL, _LINE, _GAP, _FOOT = 88.0, 19.0, 12.0, 38.0

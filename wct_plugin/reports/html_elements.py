@@ -126,7 +126,7 @@ def paragraph(plain: str, kind: str = "") -> Html:
 
 def code(plain: str) -> Html:
     """What is typed as it is; its lines are folded where they are too long."""
-    return Html(f'<pre><code>{escape(plain)}</code></pre>')
+    return Html(f"<pre><code>{escape(plain)}</code></pre>")
 
 
 def join(parts: Iterable[Html]) -> Html:

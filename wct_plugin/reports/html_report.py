@@ -183,13 +183,13 @@ def _shown(reports: Mapping[str, Report], meshes: Sequence[TetMesh]) -> _Shown:
     if apart is not None:
         each = zip(meshes, apart.facets, strict=True)
         sides_apart = [deviation_pictures(mesh, found, apart.stops) for mesh, found in each]
-        front, back = ([(name, (side[k],)) for name, side in zip(names, sides_apart, strict=True)] for k in (0, 1))
+        far, far_back = ([(name, (side[k],)) for name, side in zip(names, sides_apart, strict=True)] for k in (0, 1))
         parts.append(
             section(
                 "How far the boundary is from the reference",
                 deviation_scale(apart.stops, apart.tolerance),
-                _gallery(front),
-                details("From the opposite side", _gallery(back)),
+                _gallery(far),
+                details("From the opposite side", _gallery(far_back)),
             )
         )
     return _Shown(interactive_view.view(names, meshes, apart), join(parts))

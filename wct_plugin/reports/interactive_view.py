@@ -41,7 +41,8 @@ STYLE = """
   border-radius: .3rem; padding: .25rem .5rem; max-width: 100%; }
 .view output { white-space: nowrap; } .view .slider { width: 9rem; min-height: 3rem; }
 .view input[type=range] { width: 100%; accent-color: var(--good); vertical-align: middle; }
-.view .stage { height: 27rem; border: 1px solid var(--line); border-radius: .5rem; overflow: hidden; position: relative; }
+.view .stage { height: 27rem; border: 1px solid var(--line); border-radius: .5rem; overflow: hidden;
+  position: relative; }
 .view .legend { display: flex; flex-wrap: wrap; gap: .3rem .6rem; align-items: center; min-height: 2rem; }
 .view .bar { flex: 1 1 8rem; max-width: 20rem; height: .9rem; border: 1px solid var(--line); }
 .view .key { width: 1rem; height: 1rem; border: 1px solid var(--line); } .view .wide { flex-basis: 100%; }
@@ -124,14 +125,12 @@ def view(names: Sequence[str], meshes: Sequence[TetMesh], apart: Apart | None) -
     return View(section("In 3D", _markup(names, packed, stops), *data, script.html), script)
 
 
-def _settings(
-    meshes: Sequence[TetMesh], frame: Frame, stops: Mapping[str, Stops], tags: Ints
-) -> dict[str, Any]:
+def _settings(meshes: Sequence[TetMesh], frame: Frame, stops: Mapping[str, Stops], tags: Ints) -> dict[str, Any]:
     eye = Eye.of(meshes[-1])
     inside = [frame.place(mesh.points) for mesh in meshes]
     words = {
-        "height": ("−1", "⅓", "min h/R of each tet: orange to brown, below 0, its circumcenter is outside; violet: it is "
-                   "inside, but a triangle is not acute"),
+        "height": ("−1", "⅓", "min h/R of each tet: orange to brown, below 0, its circumcenter is outside; violet: "
+                   "it is inside, but a triangle is not acute"),
         "angle": ("60°", "180°", "largest angle in a triangle of each tet: orange to brown from 90° on"),
         "deviation": ("0", f"{stops.get('deviation', [(0.0, ())])[-1][0]:.2e}",
                       "distance of each boundary triangle from the reference, of the diagonal; grey inside"),

@@ -22,7 +22,7 @@ from wct_plugin.measure.quality import Quality
 from wct_plugin.measure.shape_floor import ShapeFloor
 from wct_plugin.measure.solver_view import SolverView
 from wct_plugin.mesh import TetMesh, strata, unit_scaling
-from wct_plugin.mesh.mesh import Repairs
+from wct_plugin.mesh.repairs import Repairs
 from wct_plugin.mesh.strata import PLACES
 from wct_plugin.meshing.local_tolerance import describe as describe_tolerance
 from wct_plugin.obstructions import remaining_tets

@@ -2,7 +2,7 @@
 
 import zlib
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,7 +43,7 @@ class Frame:
     size: float
 
     @classmethod
-    def of(cls, meshes: list[TetMesh]) -> "Frame":
+    def of(cls, meshes: Sequence[TetMesh]) -> "Frame":
         """The box round all of them."""
         low = np.min([mesh.points.min(axis=0) for mesh in meshes], axis=0)
         high = np.max([mesh.points.max(axis=0) for mesh in meshes], axis=0)
@@ -106,7 +106,8 @@ def chosen(mesh: TetMesh, kind: Ints, height: Floats) -> tuple[Ints, str]:
     """
     boundary = np.zeros(len(mesh.tets), dtype=bool)
     boundary[mesh.topology.boundary_half_facets[:, 0]] = True
-    taken, notes = boundary.copy(), []
+    notes: list[str] = []
+    taken = boundary.copy()
     _add(taken, (kind > 0) & ~boundary, height, MOST - int(boundary.sum()), "bad tets inside, the worst", notes)
     room = min(MOST_INNER, MOST - int(taken.sum()))
     nearest = "good tets inside, those nearest to the middle planes"
