@@ -139,7 +139,7 @@ def test_colours_are_told_apart(shown):
 def test_both_meshes_turn_and_come_back_together(shown):
     whole = look(shown)
     second = still(shown, "figure:nth-of-type(2) > .stage")
-    shown.drag(".stage canvas", 120, 30)
+    shown.drag(".stage", 120, 30)
     assert changed(still(shown), whole) > 0.03
     assert changed(still(shown, "figure:nth-of-type(2) > .stage"), second) > 0.03
     shown.run("document.querySelector('[name=home]').click()")

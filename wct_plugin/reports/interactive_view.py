@@ -154,7 +154,6 @@ def _settings(meshes: Sequence[TetMesh], frame: Frame, stops: Mapping[str, Stops
         "center": frame.center.tolist(),
         "size": frame.size,
         "eye": _eye(eye, np.concatenate(inside)),
-        "up": eye.upward,
     }
 
 
@@ -163,7 +162,13 @@ def _eye(eye: Eye, points: Floats) -> dict[str, Any]:
     seen = eye.see(points)
     low, high = seen.min(axis=0), seen.max(axis=0)
     middle, reach = (low + high) / 2.0 @ eye.axes, (high - low) / 2.0
-    return {"axes": eye.axes.tolist(), "middle": middle.tolist(), "reach": reach.tolist(), "degrees": _DEGREES}
+    return {
+        "axes": eye.axes.tolist(),
+        "middle": middle.tolist(),
+        "reach": reach.tolist(),
+        "degrees": _DEGREES,
+        "up": eye.upward,
+    }
 
 
 def _markup(names: Sequence[str], packed: Sequence[Packed], stops: Mapping[str, Stops]) -> Html:

@@ -109,10 +109,10 @@ const limitAt = settings => {
 };
 
 // Where the camera is, what it looks at and which way is up, so that all of the box is in the picture.
-function camera({ axes, middle, reach, degrees }, place) {
+function camera({ axes, middle, reach, degrees, up }, place) {
   const aspect = place.clientWidth / place.clientHeight;
   const away = reach[2] + 1.06 * Math.max(reach[1], reach[0] / aspect) / Math.tan(degrees / 360 * Math.PI);
-  return [...middle.map((at, k) => at + away * axes[2][k]), ...middle, ...axes[1]];
+  return [...middle.map((at, k) => at + away * axes[2][k]), ...middle, ...[..."xyz"].map(axis => Number(axis === up))];
 }
 
 // A mesh of K3D from facets, each with corners of its own, so that each has its own colour.
@@ -180,13 +180,16 @@ async function start() {
   const lib = await library(), stages = [];
   for (const [k, place] of [...view.querySelectorAll(".stage")].entries()) {
     const plot = new lib.K3D(lib.ThreeJsProvider, place, {
-      menuVisibility: false, gridVisible: false, cameraAutoFit: false, cameraMode: "orbit", cameraUpAxis: settings.up,
+      menuVisibility: false, gridVisible: false, cameraAutoFit: false, cameraMode: "orbit", cameraUpAxis: settings.eye.up,
       cameraFov: settings.eye.degrees, axesHelper: 1, lighting: 1.6, cameraDampingFactor: 0,
     });
     stages.push({ plot, place, one: await mesh(settings.meshes[k], k), said: place.parentElement.querySelector("output") });
   }
   const ground = () => stages.forEach(({ plot }) => plot.setClearColor(dark.matches ? 0x1b222b : 0xf5f7f9));
-  const home = () => stages.forEach(({ plot, place }) => plot.setCamera(camera(settings.eye, place)));
+  const home = () => {
+    const at = camera(settings.eye, stages[0].place);
+    stages.forEach(({ plot }) => plot.setCamera(at));
+  };
   let linked = false;
   stages.forEach(({ plot }) => plot.on(plot.events.CAMERA_CHANGE, camera => {
     if (linked) return;
