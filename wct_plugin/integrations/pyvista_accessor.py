@@ -14,12 +14,11 @@ import numpy as np
 import pyvista as pv
 
 from wct_plugin.errors import OptionError
-from wct_plugin.io.assembly import NAME
 from wct_plugin.io.region_choice import Regions
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.objects.conversions import as_mesh
-from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista
+from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista, without_field_data
 from wct_plugin.pipeline.pipeline import mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, find_filter
 from wct_plugin.progress import ProgressChoice
@@ -28,18 +27,10 @@ from wct_plugin.reports.report import Report, make_report
 _OPTIMIZER = "meshing_well_centered"
 
 
-def _without_field_data(dataset: pv.DataSet) -> pv.DataSet:
-    """The same points, cells and arrays, and of the field data the names of tags only."""
-    bare = dataset.copy(deep=False)
-    for name in [name for name in bare.field_data if not name.startswith(NAME)]:
-        del bare.field_data[name]
-    return bare
-
-
 def _optimized(
     stages: list[FilterStage[Any]], dataset: pv.DataSet, progress: ProgressChoice, regions: Regions = None
 ) -> pv.UnstructuredGrid:
-    mesh, pairs = as_mesh(_without_field_data(dataset), regions=regions), None  # field data are put back below
+    mesh, pairs = as_mesh(without_field_data(dataset), regions=regions), None  # field data are put back below
     if regions is not None and isinstance(mesh, TetMesh) and mesh.tag_name in mesh.cell_data:
         # A region of its own for every pair of region and tag, so that the interfaces of both are kept.
         both = np.column_stack([mesh.regions, mesh.cell_data[mesh.tag_name].astype(np.int64)])
@@ -134,7 +125,7 @@ class GridAccessor:
         return plotter
 
     def _tets(self) -> TetMesh:
-        mesh = from_pyvista(_without_field_data(self._grid))
+        mesh = from_pyvista(without_field_data(self._grid))
         find_filter("get_quality").check_takes(type(mesh))
         assert isinstance(mesh, TetMesh)
         return mesh

@@ -74,6 +74,14 @@ def from_pyvista(dataset: pv.DataSet) -> TetMesh | SurfaceMesh:
     return assembled(raw, PYVISTA, what, _tags(grid), lost)
 
 
+def without_field_data(dataset: pv.DataSet) -> pv.DataSet:
+    """The same points, cells and arrays, and of the field data the names of tags only."""
+    bare = dataset.copy(deep=False)
+    for name in [name for name in bare.field_data if not name.startswith(NAME)]:
+        del bare.field_data[name]
+    return bare
+
+
 def _tags(grid: pv.UnstructuredGrid) -> tuple[str, ...]:
     """The name of the array of tags, if there is one."""
     return tuple(name for name in TAGS if name in grid.cell_data and np.any(grid.cell_data[name]))[:1]
