@@ -59,7 +59,7 @@ bench: $(VENV)/.bench
 
 # Editable installs see edits to Python files at once; a changed core, declaration or list of filters installs again.
 $(VENV)/.demo: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python
-	$(BIN)/pip install -e '.[report]'
+	$(BIN)/pip install -e '.[view]'
 	touch $@
 
 $(VENV)/.test: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python deb-test

@@ -185,7 +185,10 @@ async function start() {
     });
     stages.push({ plot, place, one: await mesh(settings.meshes[k], k), said: place.parentElement.querySelector("output") });
   }
-  const ground = () => stages.forEach(({ plot }) => plot.setClearColor(dark.matches ? 0x1b222b : 0xf5f7f9));
+  const ground = () => stages.forEach(({ plot }) => {
+    plot.setClearColor(dark.matches ? 0x1b222b : 0xf5f7f9);
+    plot.setLabelColor(dark.matches ? 0xe4eaf1 : 0x1c2430);
+  });
   const home = () => {
     const at = camera(settings.eye, stages[0].place);
     stages.forEach(({ plot }) => plot.setCamera(at));
