@@ -4,6 +4,7 @@ import contextlib
 import csv
 import json
 import os
+import re
 import signal
 import statistics
 import subprocess
@@ -128,7 +129,7 @@ def test_summaries_have_every_file_failures_last(done):
     assert [Path(row["input"]).name for row in rows] == names
     assert [row["exit_code"] for row in rows] == ["0", "0", "0", "1", "1", "2"]
     assert float(rows[0]["3wc_after"]) == 100
-    page = done.html.read_text()
+    page = re.sub(r'<wbr>|<span class="long">(.*?)</span>', r"\1", done.html.read_text())  # where words may break
     assert page.index("good2.vtu") < page.index("flat.vtu") < page.index("is no XML, or truncated")
     assert "://" not in page
     assert "&lt;b&gt;&amp;.vtu" in page
