@@ -48,24 +48,39 @@ CLOSED = "error: -: standard output is closed\n"
 
 
 @pytest.mark.parametrize(
+    "unbuffered", ["", "1"]
+)  # the environment says it: a failed write fails again at the end, or not
+@pytest.mark.parametrize(
     ("line", "code", "said"),
     [
         ("wct report a.vtu > /dev/full", 2, FULL),
         ("wct report a.vtu --json - > /dev/full", 2, FULL),
         ("wct optimize a.vtu - --output-format vtu --goal delaunay > /dev/full", 2, FULL),
+        ("wct --help > /dev/full", 2, FULL),
+        ("wct report --help > /dev/full", 2, FULL),
+        ("wct --version > /dev/full", 2, FULL),
+        ("wct completion bash > /dev/full", 2, FULL),
         ("wct report a.vtu >&-", 0, ""),
         ("wct report a.vtu --json - >&-", 2, CLOSED),
         ("wct optimize a.vtu - --output-format vtu --goal delaunay >&-", 2, CLOSED),
         ("wct report - --input-format vtu <&-", 2, "error: -: standard input is closed\n"),
         ("wct report none.vtu 2>&-", 2, ""),
         ("wct report none.vtu > /dev/full 2>&1", 2, ""),
+        ("wct > /dev/full 2>&1", 2, ""),
+        ("wct --help > /dev/full 2>&1", 2, ""),
+        ("wct --version 2> /dev/full", 0, ""),
+        ("wct optimize a.vtu out.vtu --goal delaunay 2> /dev/full", 0, ""),
         ("wct optimize a.vtu out.vtu --goal delaunay <&- >&- 2>&-", 0, ""),
+        ("wct --help | true; exit ${PIPESTATUS[0]}", 2, ""),
         ("wct report a.vtu | true; exit ${PIPESTATUS[0]}", 2, ""),
         ("wct report a.vtu --json - | true; exit ${PIPESTATUS[0]}", 2, ""),
         ("wct optimize a.vtu out.vtu --goal delaunay | true; exit ${PIPESTATUS[0]}", 2, ""),
     ],
 )
-def test_standard_streams(line: str, code: int, said: str, place: Path) -> None:
+def test_standard_streams(
+    line: str, code: int, said: str, unbuffered: str, place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
     before = (place / "a.vtu").read_bytes()
     assert shell(line) == (code, said)
     assert (place / "a.vtu").read_bytes() == before

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from typing import TextIO
 
 
 def open_closed_streams() -> None:
@@ -17,13 +18,22 @@ def open_closed_streams() -> None:
 
 
 def flushed() -> bool:
-    """Whether standard output took all; else what is left leads nowhere, as Python would complain of it at its end."""
+    """Whether standard output took all; what it or standard error does not take is dropped.
+
+    Python would try again at its end, and then end with a code of its own, 120.
+    """
+    _flush(sys.stderr)
+    return _flush(sys.stdout)
+
+
+def _flush(stream: TextIO | None) -> bool:
+    """Whether the stream took what is buffered; else its handle leads nowhere from now on, and the buffer with it."""
     try:
-        if sys.stdout is not None:
-            sys.stdout.flush()
+        if stream is not None:
+            stream.flush()
     except OSError:
         nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.__stdout__.fileno() if sys.__stdout__ else 1)
+        os.dup2(nowhere, stream.fileno())
         os.close(nowhere)
         return False
     return True

@@ -1,4 +1,4 @@
-"""The commands of ``wct``, and what they share: an example in their help, ``--quiet``, ``--verbose``, completion."""
+"""The commands of ``wct``, and the options all of them share; an example in their help, completion."""
 
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -7,6 +7,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from wct_plugin.cli.messages import be_quiet, be_verbose
+from wct_plugin.cli.printed_options import help_option, version_option
 from wct_plugin.cli.save_case import save_case_option
 
 
@@ -103,7 +104,7 @@ def _quiet(context: click.Context, _: click.Parameter, value: bool) -> None:
 
 def with_comfort(command: click.Command, example: str) -> click.Command:
     """The command, with what all have in common."""
-    command.params += [quiet_option(), verbose_option(), save_case_option()]
+    command.params += [quiet_option(), verbose_option(), save_case_option(), help_option()]
     for param in command.params:
         if param.metavar in _FILES and type(param.type) is type(click.STRING):
             param.type = click.Path(allow_dash=True)
@@ -117,7 +118,7 @@ class Commands(click.Group):
 
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
-        self.params += [quiet_option(), verbose_option()]
+        self.params += [version_option(), quiet_option(), verbose_option(), help_option()]
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of all commands."""

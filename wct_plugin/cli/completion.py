@@ -2,6 +2,8 @@
 
 import click
 
+from wct_plugin.io.standard_streams import writing_stdout
+
 #: As click's own, but that bash, which takes ``--set a.b=c`` for three words, gets one word of it, and no blank after
 #: what is to be typed on.
 _BASH = """\
@@ -47,5 +49,6 @@ def completion(shell: str) -> int:
 
     found = get_completion_class(shell)
     assert found is not None
-    click.echo(_BASH if shell == "bash" else found(click.Group(), {}, "wct", "_WCT_COMPLETE").source())
+    with writing_stdout():
+        click.echo(_BASH if shell == "bash" else found(click.Group(), {}, "wct", "_WCT_COMPLETE").source())
     return 0

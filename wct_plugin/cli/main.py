@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 
 import click
 
@@ -22,8 +23,7 @@ from wct_plugin.io import atomic_files
 from wct_plugin.io.standard_streams import ReaderGoneError
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(package_name="wct_plugin")
+@click.group(cls=Commands, context_settings={"max_content_width": 100})
 def cli() -> None:
     """Make tetrahedral meshes well-centered, and say how well-centered they are."""
 
@@ -38,7 +38,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
                 warnings.showwarning = show_warning
                 code = cli.main(args=arguments, prog_name="wct", standalone_mode=False)
         except click.exceptions.NoArgsIsHelpError as error:
-            click.echo(error.format_message(), err=True)
+            with suppress(OSError):  # standard error that takes nothing changes no exit code
+                click.echo(error.format_message(), err=True)
             return FAILED
         except click.ClickException as error:
             message = error.format_message()
