@@ -1,7 +1,7 @@
 """After fTetWild: hand pytetwild's arrays to one filter, compare, write.
 
 The surface is bone.ply, which ships in the pymeshlab wheel. pytetwild needs pyvista when it is imported:
-``pip install "wct_plugin[pyvista]"``. Run it: ``python examples/after_ftetwild.py [out.vtu]``.
+``pip install '.[pyvista]'`` in the clone. Run it: ``python examples/after_ftetwild.py [out.vtu]``.
 """
 
 import importlib.util

@@ -1,7 +1,7 @@
 """The same batch on the workers of a dask scheduler, here two processes on this machine.
 
-``pip install "wct_plugin[distributed]"``. Run it: ``python examples/batch_dask.py [tcp://host:8786]``, with the address
-of a scheduler whose workers see this directory, or without one. The command line does the same:
+``pip install '.[distributed]'`` in the clone. Run it: ``python examples/batch_dask.py [tcp://host:8786]``, with the
+address of a scheduler whose workers see this directory, or without one. The command line does the same:
 ``wct batch dec-ready '*.vtu' -o out --scheduler tcp://host:8786``.
 """
 

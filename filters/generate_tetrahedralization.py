@@ -84,6 +84,7 @@ class GenerateTetrahedralization(FilterStage[TetrahedralizationOptions]):
             progress(Progress(f"{mesher}: {standing}" if standing else mesher, 0.0))
 
         heard("")
-        fill = tetgen.tetrahedralize if self.options.mesher == "tetgen" else ftetwild.tetrahedralize
-        tets = fill(mesh, **options, heard=heard)
-        return tets, {"tets": len(tets.tets), "points": len(tets.points)}
+        adapter = tetgen if self.options.mesher == "tetgen" else ftetwild
+        tets = adapter.tetrahedralize(mesh, **options, heard=heard)
+        made = {"mesher": f"{mesher} {adapter.version()}", "tets": len(tets.tets), "points": len(tets.points)}
+        return tets, made

@@ -46,6 +46,11 @@ class WctWarning(UserWarning):
     """Something the user had that could not be carried along; the message names it."""
 
 
+def how_to_install(extra: str) -> str:
+    """The command that installs a part of this package, which no registry has: it is for a clone."""
+    return f"pip install '.[{extra}]' in a clone of wct_plugin"
+
+
 def one_line(error: BaseException) -> str:
     """What to tell the user about anything raised: one line, which says so where it is a fault of ours."""
     message = " ".join(str(error).split())

@@ -47,6 +47,16 @@ def test_the_index_leads_to_every_page_and_example_and_the_readme_to_the_index()
     assert {*(ROOT / "docs").glob("*.md"), *examples} - {index} <= leads_to(index)
 
 
+def test_nothing_tells_to_install_from_a_registry_what_none_has():
+    """Until it is published, what tells people how to install this package names the clone."""
+    texts = [
+        *PAGES,
+        *(one for folder in ("wct_plugin", "filters", "examples") for one in (ROOT / folder).rglob("*.py")),
+    ]
+    wrong = re.compile(r"(?:pip|pipx|uv|uvx|conda|mamba) (?:\w+ )*(?:-\S+ )*[\"']?wct[_-]plugin\b(?! *@)")
+    assert [(one.name, found[0]) for one in texts for found in wrong.finditer(one.read_text(encoding="utf-8"))] == []
+
+
 def test_files_that_the_page_for_developers_names_are_there():
     page = prose(ROOT / "docs/developing.md")
     named = re.findall(r"`((?:wct_plugin|cpp|filters|tests|examples|docs)/[\w/]*(?:\.\w+)?)`", page)

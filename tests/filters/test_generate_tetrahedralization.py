@@ -7,6 +7,7 @@ import pytest
 from support.builders import sphere_surface, two_region_cube
 
 import wct_plugin as wct
+from wct_plugin.adapters import ftetwild, tetgen
 from wct_plugin.errors import InputError, OptionError, WctWarning
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.pipeline.stage import find_filter
@@ -17,7 +18,7 @@ def test_the_surface_travels_on_as_the_reference():
     surface = replace(surface, tags=np.full(len(surface.triangles), 7))  # one tag for all says nothing: no warning
     mesh, metrics = wct.apply_filter("generate_tetrahedralization", surface, edge_length=0.2)
     assert mesh.reference is surface
-    assert metrics == {"tets": len(mesh.tets), "points": len(mesh.points)}
+    assert metrics == {"mesher": f"fTetWild {ftetwild.version()}", "tets": len(mesh.tets), "points": len(mesh.points)}
     assert mesh.repairs.flipped == 0
     _, report = wct.apply_filter("get_quality", mesh)
     assert report["deviation"]["fraction_of_diagonal"] < 1e-2
@@ -52,7 +53,7 @@ def heights(mesh, tag) -> np.ndarray:
 @pytest.mark.filterwarnings("ignore:the boundary is resampled on the mesh's own facets")
 def test_tetgen_s_regions_and_tags_survive_the_optimizer():
     mesh, metrics = wct.apply_filter("generate_tetrahedralization", two_rooms(), mesher="tetgen", edge_length=0.25)
-    assert metrics == {"tets": len(mesh.tets), "points": len(mesh.points)}
+    assert metrics == {"mesher": f"TetGen {tetgen.version()}", "tets": len(mesh.tets), "points": len(mesh.points)}
     better, _ = wct.apply_filter("meshing_well_centered", mesh)
     _, report = wct.apply_filter("get_quality", better)
     assert report["3wc"]["count"] == report["tets"]

@@ -65,5 +65,5 @@ def test_what_cannot_be_read(tmp_path):
 def test_without_pillow_images_are_refused(tmp_path, monkeypatch):
     slices()[0].save(tmp_path / "v.tif")
     monkeypatch.setitem(sys.modules, "PIL", None)
-    with pytest.raises(WctError, match=r"images need Pillow: pip install 'wct_plugin\[images\]'"):
+    with pytest.raises(WctError, match=r"images need Pillow: pip install '\.\[images\]' in a clone"):
         voxel_image.read(str(tmp_path / "v.tif"))

@@ -235,7 +235,7 @@ def test_page_of_nothing_and_without_matplotlib(monkeypatch):
     with pytest.raises(ValueError, match="at least one"):
         html([], "t")
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(WctError, match=r"pip install 'wct_plugin\[report\]'"):
+    with pytest.raises(WctError, match=r"pip install '\.\[report\]' in a clone"):
         html([make_report(bcc(2))], "t")
 
 

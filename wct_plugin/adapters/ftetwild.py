@@ -12,6 +12,7 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 from types import ModuleType
 
@@ -114,6 +115,11 @@ def tetrahedralize(
         with np.load(made) as arrays:
             points, tets = arrays["points"], arrays["tets"]
     return _mesh(points, tets, surface)
+
+
+def version() -> str:
+    """Whose fTetWild is used; it does not tell its own version."""
+    return f"(Python package pytetwild {metadata.version('pytetwild')})"
 
 
 def _run(

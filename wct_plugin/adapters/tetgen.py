@@ -1,11 +1,10 @@
-"""Debian's TetGen (1.5): tetrahedra from a triangle surface that stays exactly as it is, by ``tetgen`` from the PATH.
+"""TetGen: tetrahedra from a triangle surface that stays exactly as it is, by either program of ``tetgen_programs``.
 
 TetGen ends every failure with an abort, says nothing about most, and leaves the tets out where it found none inside;
 so the surface is checked before, by TetGen's own search for intersections too, and the result after.
 """
 
 import re
-import shutil
 import tempfile
 import time
 import warnings
@@ -16,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.adapters import child_process
+from wct_plugin.adapters import child_process, tetgen_programs
 from wct_plugin.adapters.option_ranges import check_at_least, check_between, check_limit
 from wct_plugin.adapters.solid_surface import check_thick, flat_pieces, in_cavity, label, open_edge, shells, weld
 from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
@@ -97,8 +96,7 @@ def tetrahedralize(
         raise OptionError(f"min_dihedral is {min_dihedral}; allowed is 0 to {_STEEPEST:g}")
     check_limit("timeout", timeout, "seconds")
     check_limit("memory_limit", memory_limit, "megabytes")
-    if missing := [tool for tool in ("tetgen", "stdbuf") if not shutil.which(tool)]:
-        raise NeighbourError(f"{missing[0]} is not on the PATH; on Debian and Ubuntu: apt install tetgen coreutils")
+    program = tetgen_programs.find()
     check_thick(surface, "TetGen")
     points, triangles = weld(surface)
     # TetGen merges facets of one marker that bend by up to 0.1 degrees, and leaves both: a marker per flat piece.
@@ -107,29 +105,42 @@ def tetrahedralize(
     # -J no renumbering, -A a number per region
     switches = f"JAq{radius_edge:g}/{min_dihedral:g}a{float(volume)!r}{'Y' if keep_boundary else ''}"
     with tempfile.TemporaryDirectory(prefix="wct_") as name:
-        job = _Job(Path(name), timeout, None if memory_limit is None else int(memory_limit * _MEGABYTE), heard)
+        memory = None if memory_limit is None else int(memory_limit * _MEGABYTE)
+        job = _Job(program, Path(name), timeout, memory, heard)
         mesh = _fill(job, switches, surface, points, triangles, pieces)
     return _tidied(_without_cavities(mesh, points, triangles), surface, pieces)
+
+
+def version() -> str:
+    """Which TetGen is used, as in ``1.5 (/usr/bin/tetgen)``. Raises :class:`NeighbourError` where there is none."""
+    return tetgen_programs.find().version
 
 
 class _Job:
     """TetGen on ``surface.poly`` in a folder, several times within one timeout."""
 
     def __init__(
-        self, folder: Path, timeout: float | None, memory: int | None, heard: Callable[[str], object] | None = None
+        self,
+        program: tetgen_programs.Program,
+        folder: Path,
+        timeout: float | None,
+        memory: int | None,
+        heard: Callable[[str], object] | None = None,
     ) -> None:
         self.folder, self.memory = folder, memory
+        self._program = program
         self._heard = None if heard is None else lambda said: heard(_standing(said))
         self._end = None if timeout is None else time.monotonic() + timeout
 
     def run(self, switches: str) -> str:
         """Give what ``tetgen`` printed; line by line, or an abort would swallow it."""
-        command = ["stdbuf", "-oL", "tetgen", switches, "surface.poly"]
+        command = self._program.command(switches, "surface.poly", self.memory)
+        limit = None if self._program.limits_itself else self.memory
         advice = "a larger edge_length or radius_edge, a smaller min_dihedral or a repaired surface is faster"
         left = None if self._end is None else max(round(self._end - time.monotonic(), 2), 0.01)
         try:
             return child_process.run(
-                command, self.folder, left, "TetGen", memory=self.memory, advice=advice, heard=self._heard
+                command, self.folder, left, "TetGen", memory=limit, advice=advice, heard=self._heard
             )
         except child_process.ChildError as error:
             raise _explain(error, self.memory) from error
@@ -167,6 +178,10 @@ def _fill(job: _Job, switches: str, surface: SurfaceMesh, points: Floats, triang
             job.run(f"-pz{switches}{extra}")
             mesh = _result(job.folder, surface, ordered, renumbered, keep="Y" in switches)
         except _AbortError as error:
+            if "vertices are coplanar" in str(error):  # with 1.6; to 1.5 points are too close then
+                raise InputError(
+                    f"{label(surface)}its points lie in a plane as far as TetGen can tell; it needs a thicker surface"
+                ) from error
             attempt += 1
             if error.starved or attempt == len(_ATTEMPTS):
                 raise
@@ -192,13 +207,14 @@ def _write(path: Path, points: Floats, triangles: Ints, pieces: Ints) -> None:
 
 
 def _explain(error: child_process.ChildError, memory: int | None) -> _AbortError:
-    """Say in one line why TetGen failed; out of memory is the one thing that it never says."""
+    """Say in one line why TetGen failed; out of memory is the one thing that 1.5 never says."""
     noise = re.compile(r"seconds:|^terminate called|^Aborted|^\s*$")
     lines = [" ".join(line.split()) for line in error.output.splitlines() if not noise.search(line)]
     if found := re.search(r"Found two .*", " ".join(lines)):  # the faults' places are on the lines after
         return _AbortError(f"TetGen: {found[0]}")
     last = re.sub(r".*: (?=Assertion|error)|^Error: ", "", lines[-1]).rstrip(". ") if lines else "its start"
-    growing = last == "Refining mesh" or "shared object" in last  # elsewhere it is rather a fault of TetGen's
+    # Elsewhere it is rather a fault of TetGen's; 1.6 does say it.
+    growing = last in ("Refining mesh", "Out of memory") or "shared object" in last
     if memory is not None and growing:
         limit = f"memory_limit is {memory / _MEGABYTE:g} MB"
         return _AbortError(f"TetGen ran out of memory in {last!r}: {limit}; a larger edge_length needs less", True)
@@ -218,20 +234,28 @@ def _check_facets(said: str, surface: SurfaceMesh, points: Floats, triangles: In
             f"{label(surface)}the points at {show_row(first)} and {show_row(second)} are {distance:.1e} apart, too "
             "close for TetGen, which tells points apart down to 1e-8 of the diagonal; merge close vertices first"
         )
-    found_pairs = re.findall(r"Facet #(\d+) intersects facet #(\d+)", said)
-    pairs = {tuple(sorted((int(first) - 1, int(second) - 1))) for first, second in found_pairs}
-    if pairs:
-        one, other = min(pairs)
-        more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
+    if where := _crossings(said, points, triangles):
         raise InputError(
-            f"{label(surface)}the surface intersects itself: triangle {one}, {_middle(points, triangles, one)}, and "
-            f"triangle {other}, {_middle(points, triangles, other)}{more}; TetGen needs triangles that meet in whole "
-            "edges and points only, mesher 'ftetwild' does not"
+            f"{label(surface)}the surface intersects itself: {where}; TetGen needs triangles that meet in whole edges "
+            "and points only, mesher 'ftetwild' does not"
         )
 
 
-def _middle(points: Floats, triangles: Ints, index: int) -> str:
-    return show_row(points[triangles[index]].mean(axis=0))
+def _crossings(said: str, points: Floats, triangles: Ints) -> str:
+    """Where the surface intersects itself, in words: 1.5 names pairs of triangles, 1.6 those that it left out."""
+
+    def named(index: int) -> str:
+        return f"triangle {index}, {show_row(points[triangles[index]].mean(axis=0))}"
+
+    found = re.findall(r"Facet #(\d+) intersects facet #(\d+)", said)
+    if pairs := {tuple(sorted((int(first) - 1, int(second) - 1))) for first, second in found}:
+        more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
+        return " and ".join(map(named, min(pairs))) + more
+    if skipped := re.search(r"^Skipped facets ([\d ]+)", said, re.M):
+        crossing = {int(number) - 1 for number in skipped[1].split()}
+        more = f" (and {len(crossing) - 1} more triangles)" if len(crossing) > 1 else ""
+        return f"at {named(min(crossing))}{more}"
+    return ""
 
 
 def _result(folder: Path, surface: SurfaceMesh, points: Floats, triangles: Ints, keep: bool) -> TetMesh:

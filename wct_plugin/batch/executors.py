@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from wct_plugin.batch.isolation import ForkServer, run_isolated
 from wct_plugin.batch.job import Job, Record
-from wct_plugin.errors import OptionError, WctError
+from wct_plugin.errors import OptionError, WctError, how_to_install
 
 CONNECT_SECONDS = 10
 
@@ -66,7 +66,7 @@ class DaskExecutor:
 
     def __init__(self, address: str, folder: Path) -> None:
         if importlib.util.find_spec("distributed") is None:
-            raise WctError("a scheduler needs dask.distributed: pip install 'wct_plugin[distributed]'")
+            raise WctError(f"a scheduler needs dask.distributed: {how_to_install('distributed')}")
         distributed: Any = importlib.import_module("distributed")
         try:
             self._client = distributed.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)

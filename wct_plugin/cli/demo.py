@@ -9,7 +9,7 @@ from rich.text import Text
 
 from wct_plugin.cli.messages import out
 from wct_plugin.cli.output import table
-from wct_plugin.errors import OutputError
+from wct_plugin.errors import OutputError, how_to_install
 from wct_plugin.io import atomic_files
 
 #: The samples and what each is; ``examples/samples_from_gmsh.py`` makes them.
@@ -90,7 +90,7 @@ def demo(context: click.Context, folder: str) -> int:
     wct = context.find_root().command
     code: int = wct.main(args=here, prog_name="wct", standalone_mode=False)
 
-    missing = "" if options else " The report with pictures needs matplotlib: pip install 'wct_plugin[report]'"
+    missing = "" if options else f" The report with pictures needs matplotlib: {how_to_install('report')}"
     out.print(Text(f"Wrote {' and '.join(str(where / name) for name in results)}.{missing}"))
     place = "" if where.resolve() == Path.cwd() else f" in {where}"
     out.print(Text(f"Try next{place}:", style="bold"))

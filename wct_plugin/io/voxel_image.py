@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.errors import InputError, WctError
+from wct_plugin.errors import InputError, WctError, how_to_install
 from wct_plugin.io import read_limit
 from wct_plugin.io.companions import checked, note_opened
 
@@ -85,7 +85,7 @@ def _pages(file: Path) -> Iterator[NDArray[Any]]:
     try:
         from PIL import Image, ImageSequence
     except ImportError:
-        raise WctError(f"{file}: images need Pillow: pip install 'wct_plugin[images]'") from None
+        raise WctError(f"{file}: images need Pillow: {how_to_install('images')}") from None
     try:
         with Image.open(file, formats=_FORMATS) as image:
             for page in ImageSequence.Iterator(image):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.errors import WctError
+from wct_plugin.errors import WctError, how_to_install
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.strata import find_strata
@@ -43,7 +43,7 @@ def check_available() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise WctError("the HTML page needs matplotlib: pip install 'wct_plugin[report]'") from None
+        raise WctError(f"the HTML page needs matplotlib: {how_to_install('report')}") from None
 
 
 def pictures(mesh: TetMesh) -> tuple[tuple[Picture, ...], tuple[Picture, ...]]:
