@@ -3,17 +3,20 @@
 import os
 import signal
 import socket
+import subprocess
 import sys
 import time
 from pathlib import Path
 
+import pytest
 from support.builders import kuhn_cube
 from support.processes import children, wait_until
 
 import wct_plugin as wct
-from wct_plugin.batch import process_sessions
+from wct_plugin.batch import process_sessions, starters
 from wct_plugin.batch.isolation import ForkServer, run_isolated
 from wct_plugin.batch.job import Job
+from wct_plugin.errors import OptionError
 
 #: A filter of another package that breaks in the way that the file's name says.
 BREAKER = '''
@@ -65,7 +68,7 @@ CAUSES = {
     "exit": "ended without a result, exit code 3; it last said: no licence",
     "good": "",
     "greedy": "was stopped when it used ",
-    "hang": "was stopped after 3 s, its timeout",
+    "hang": "was stopped after ",
     "killed": "was killed, most likely because the system ran out of memory",
     "memory_error": "ran out of memory",
     "orphan": "",
@@ -88,28 +91,82 @@ def commands(word):
     return found
 
 
-def test_every_way_to_break_costs_one_file(tmp_path, monkeypatch):
-    site = tmp_path / "site"
+def breaker(site, monkeypatch):
+    """Install the filter that breaks."""
     info = site / "wct_breaker-1.0.dist-info"
     info.mkdir(parents=True)
     (site / "wct_breaker.py").write_text(BREAKER)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: wct_breaker\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[wct_plugin.filters]\nmeshing_breaker = wct_breaker:Breaker\n")
     monkeypatch.syspath_prepend(str(site))
+
+
+@pytest.fixture(params=["forked", "spawned"])
+def starting(request, monkeypatch):
+    """How jobs are started: as on Linux, and as on Windows and macOS."""
+    monkeypatch.setattr(starters, "forks", lambda: request.param == "forked")
+    return request.param
+
+
+def test_every_way_to_break_costs_one_file(starting, tmp_path, monkeypatch):
+    breaker(tmp_path / "site", monkeypatch)
     monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # the last words are heard without it
     monkeypatch.chdir(tmp_path)
-    for name in CAUSES:
+    forked = starting == "forked"
+    causes = dict(CAUSES)
+    if not forked:  # then nothing stops it
+        del causes["greedy"]
+    for name in causes:
         wct.write(f"{name}.vtu", kuhn_cube(1))
+    chain, limit = wct.Filter.meshing_breaker(), 400 if forked else None
     start = time.monotonic()
-    done = wct.run_batch(wct.Filter.meshing_breaker(), ["*.vtu"], "out", jobs=3, timeout=3, memory_limit=400)
-    assert time.monotonic() - start < 60
+    done = wct.run_batch(chain, ["*.vtu"], "out", jobs=3, timeout=3 if forked else 8, memory_limit=limit)
+    assert time.monotonic() - start < 100
     for record in done.records:
-        cause = CAUSES[record.input.removesuffix(".vtu")]
+        cause = causes[record.input.removesuffix(".vtu")]
         assert (record.cause or "").startswith(cause), record.cause
         assert record.failed == bool(cause)
         assert Path("out", record.input).exists() != record.failed
-    assert len(done.records) == len(CAUSES)
+    assert len(done.records) == len(causes)
     wait_until(lambda: not commands("sleep 987") and not commands("sleep 986"), 5)
+
+
+def test_spawned_jobs_give_what_forked_ones_do(tmp_path, monkeypatch):
+    """The same bits, and what they took."""
+    monkeypatch.chdir(tmp_path)
+    wct.write("a.vtu", kuhn_cube(2))
+    chain = wct.Filter.meshing_well_centered(goal="delaunay")
+    forked = wct.run_batch(chain, ["a.vtu"], "forked").records[0]
+    monkeypatch.setattr(starters, "forks", lambda: False)
+    spawned = wct.run_batch(chain, ["a.vtu"], "spawned").records[0]
+    assert (spawned.exit_code, spawned.files, spawned.after) == (forked.exit_code, forked.files, forked.after)
+    assert spawned.cpu_seconds > 0
+    assert spawned.peak_bytes > 20 << 20
+    with pytest.raises(OptionError, match="memory_limit cannot be kept"):
+        wct.run_batch(chain, ["a.vtu"], "limited", memory_limit=100)
+
+
+CALLER = """
+import sys
+from wct_plugin.batch import starters
+starters.forks = lambda: False
+import wct_plugin as wct
+wct.run_batch(wct.Filter.meshing_breaker(), ["hang.vtu"], "out")
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_a_spawned_job_ends_with_its_caller(how, tmp_path, monkeypatch):
+    breaker(tmp_path / "site", monkeypatch)
+    monkeypatch.chdir(tmp_path)
+    wct.write("hang.vtu", kuhn_cube(1))
+    Path("caller.py").write_text(CALLER)
+    environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
+    with subprocess.Popen([sys.executable, "caller.py"], env=environment, stderr=subprocess.DEVNULL) as caller:
+        wait_until(lambda: commands("sleep 987"), 60)
+        caller.send_signal(how)
+        caller.wait(20)
+    wait_until(lambda: not commands("sleep 987") and not commands("batch.spawning"), 10)
 
 
 def test_the_server_ends_with_us_and_starts_when_needed():

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
-from wct_plugin.batch.isolation import ForkServer, run_isolated
+from wct_plugin.batch.isolation import run_isolated, starter
 from wct_plugin.batch.job import Job, Record
 from wct_plugin.errors import OptionError, WctError, how_to_install
 
@@ -32,10 +32,10 @@ class Executor(Protocol):
 
 
 class LocalExecutor:
-    """A thread per job at work, each waiting for a process forked for its job."""
+    """A thread per job at work, each waiting for a process started for its job."""
 
     def __init__(self, jobs: int) -> None:
-        self._server = ForkServer(jobs)
+        self._starter = starter(jobs)
         self._threads = ThreadPoolExecutor(jobs, thread_name_prefix="wct-batch")
         self._running: dict[str, None] = {}
 
@@ -45,7 +45,7 @@ class LocalExecutor:
     def _run(self, job: Job) -> Finished:
         self._running[job.source] = None
         try:
-            return run_isolated(job, self._server)
+            return run_isolated(job, self._starter)
         finally:
             del self._running[job.source]
 
@@ -54,7 +54,7 @@ class LocalExecutor:
 
     def stop(self) -> None:  # noqa: D102
         self._threads.shutdown(wait=False, cancel_futures=True)
-        self._server.close()
+        self._starter.close()
         self._threads.shutdown()
 
 

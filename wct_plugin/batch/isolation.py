@@ -1,9 +1,8 @@
-"""The caller's side of :mod:`wct_plugin.batch.fork_server`: a job in a process of its own, and how it ended."""
+"""A job in a process of its own, and its record however that ended; the caller's side of the process that forks."""
 
 import array
 import contextlib
 import json
-import os
 import shutil
 import signal
 import socket
@@ -13,38 +12,19 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 from types import TracebackType
 
 from wct_plugin.adapters import child_process
+from wct_plugin.batch import starters
 from wct_plugin.batch.job import RECORD, Job, Record, failure
-from wct_plugin.errors import WctError
+from wct_plugin.batch.spawning import Spawner
+from wct_plugin.batch.starters import LostError, Starter, UnwantedError, Verdict, environment
 
-#: What tells numerical libraries how many threads to use; values that are set already are the user's.
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 #: A send to someone who is gone is an error, not our death by SIGPIPE: gmsh, once started, sets that signal back.
 _NO_SIGNAL = getattr(socket, "MSG_NOSIGNAL", 0)
-
-
-class UnwantedError(WctError):
-    """The job was given up by whoever ordered it."""
-
-
-class _LostError(WctError):
-    """The process that forks is gone, or could not."""
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """How a job's process ended."""
-
-    stopped: str  #: timeout, memory, or empty where it ended by itself
-    signal: int
-    exit_code: int
-    cpu_seconds: float
-    peak_bytes: int
 
 
 class ForkServer:
@@ -54,7 +34,7 @@ class ForkServer:
     """
 
     def __init__(self, jobs: int = 1) -> None:
-        self._threads = max(1, cores() // jobs)
+        self._jobs = jobs
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._control: socket.socket | None = None
@@ -89,7 +69,7 @@ class ForkServer:
             except ConnectionError as error:
                 if self._closed:
                     raise UnwantedError(f"{job.source}: given up") from error
-                raise _LostError(f"no process could be started for the job{self._last_words()}") from error
+                raise LostError(f"no process could be started for the job{self._last_words()}") from error
         return Verdict(**json.loads(said))
 
     def close(self) -> None:
@@ -116,15 +96,12 @@ class ForkServer:
         if self._process is not None and self._process.poll() is not None:
             self._disconnect()
         if self._control is None:
-            if not hasattr(os, "fork"):
-                raise WctError(f"a batch needs a system that can fork, which {sys.platform} cannot")
             self._start()
         assert self._control is not None
         return self._control
 
     def _start(self) -> None:
         """Start the process that forks; where that cannot be, all is as before, and the next job tries again."""
-        share = {name: str(self._threads) for name in _THREADS}
         start = "import json, sys; sys.path[:] = json.loads(sys.argv[2])"  # where our own modules come from
         start += "; from wct_plugin.batch.fork_server import main; main(int(sys.argv[1]))"
         with contextlib.ExitStack() as unless_started:
@@ -134,14 +111,14 @@ class ForkServer:
                 process = subprocess.Popen(
                     [sys.executable, "-P", "-c", start, str(theirs.fileno()), json.dumps(sys.path)],
                     pass_fds=[theirs.fileno()],
-                    env={**share, **os.environ},
+                    env=environment(self._jobs),
                     stdin=subprocess.DEVNULL,
                     stdout=words,
                     stderr=words,
                     start_new_session=True,  # Ctrl-C in the terminal is for us alone
                 )
             except OSError as error:
-                raise _LostError(f"no process could be started for the job: {error.strerror or error}") from error
+                raise LostError(f"no process could be started for the job: {error.strerror or error}") from error
             unless_started.pop_all()
         theirs.close()
         self._control, self._process, self._words = mine, process, words
@@ -166,25 +143,23 @@ class ForkServer:
             return child_process.last_words(self._words.read().decode(errors="replace"), lines=1)
 
 
-def cores() -> int:
-    """How many cores this process may use."""
-    if sys.platform == "linux":
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+def starter(jobs: int = 1) -> Starter:
+    """What starts jobs on this system, so many at once."""
+    return ForkServer(jobs) if starters.forks() else Spawner(jobs)
 
 
 @cache
-def worker_server() -> ForkServer:
+def _worker_starter() -> Starter:
     """The one of a process that others send jobs to; it ends with the process."""
-    return ForkServer()
+    return starter()
 
 
-def run_isolated(job: Job, server: ForkServer | None = None) -> tuple[Record, str]:
+def run_isolated(job: Job, by: Starter | None = None) -> tuple[Record, str]:
     """Do a job in a process of its own: its record, and the folder of the attempt with the outputs in it.
 
     Whatever the process does, there is a record. Raises :class:`UnwantedError` if the job's folder of work goes away.
     """
-    server = server or worker_server()
+    by = by or _worker_starter()
     start = time.perf_counter()
     for again in (True, False):
         try:
@@ -192,18 +167,23 @@ def run_isolated(job: Job, server: ForkServer | None = None) -> tuple[Record, st
         except FileNotFoundError as error:
             raise UnwantedError(f"{job.source}: given up") from error
         try:
-            verdict = server.run(job, attempt, attempt.exists)
+            verdict = by.run(job, attempt, attempt.exists)
             break
-        except _LostError as error:
+        except LostError as error:
             if not again:
                 return failure(job, str(error), _since(start)), str(attempt)
         shutil.rmtree(attempt, ignore_errors=True)
     if (made := read_record(attempt)) is not None:
-        return replace(made, cpu_seconds=round(verdict.cpu_seconds, 3), peak_bytes=verdict.peak_bytes), str(attempt)
+        return _measured(made, verdict), str(attempt)
     if not attempt.exists():
         raise UnwantedError(f"{job.source}: given up")
     record = failure(job, _cause(job, verdict, attempt), _since(start))
-    return replace(record, cpu_seconds=round(verdict.cpu_seconds, 3), peak_bytes=verdict.peak_bytes), str(attempt)
+    return _measured(record, verdict), str(attempt)
+
+
+def _measured(record: Record, verdict: Verdict) -> Record:
+    seconds = None if verdict.cpu_seconds is None else round(verdict.cpu_seconds, 3)
+    return replace(record, cpu_seconds=seconds, peak_bytes=verdict.peak_bytes)
 
 
 def read_record(attempt: Path) -> Record | None:
@@ -222,7 +202,7 @@ def _cause(job: Job, verdict: Verdict, attempt: Path) -> str:
     """Why there is no record, in one line."""
     if verdict.stopped == "timeout":
         return f"was stopped after {job.timeout:g} s, its timeout"
-    if verdict.stopped == "memory" and job.memory:
+    if verdict.stopped == "memory" and job.memory and verdict.peak_bytes:
         return f"was stopped when it used {_mega(verdict.peak_bytes)} MB of memory; its limit is {_mega(job.memory)} MB"
     words = ""
     with contextlib.suppress(OSError):

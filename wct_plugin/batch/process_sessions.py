@@ -75,3 +75,13 @@ def kill(session: int) -> None:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(process, signal.SIGKILL)
         time.sleep(0.005)
+
+
+def kill_own() -> None:
+    """Kill every process of the session that this process leads, and itself last."""
+    mine = os.getpid()
+    for process, of, _ in list(_processes()):
+        if of == mine and process != mine:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+    os.killpg(mine, signal.SIGKILL)

@@ -17,9 +17,8 @@ from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from wct_plugin.batch import plan, summary
+from wct_plugin.batch import plan, starters, summary
 from wct_plugin.batch.executors import DaskExecutor, Executor, Finished, LocalExecutor
-from wct_plugin.batch.isolation import cores
 from wct_plugin.batch.job import Job, Record, failure
 from wct_plugin.batch.manifest import Manifest
 from wct_plugin.errors import OptionError, OutputError, one_line
@@ -206,12 +205,12 @@ def _check_limits(jobs: int | None, scheduler: str | None, **limits: float | Non
     for name, value in limits.items():
         if value is not None and not 0 < value < math.inf:
             raise OptionError(f"{name} is {value}; allowed is a number above 0")
-    if limits["memory_limit"] is not None and sys.platform != "linux":
+    if limits["memory_limit"] is not None and not (sys.platform == "linux" and starters.forks()):
         raise OptionError(f"memory_limit cannot be kept on {sys.platform}; leave it out")
 
 
 def _executor(scheduler: str | None, folder: Path, jobs: int | None) -> Executor:
-    return LocalExecutor(jobs or cores()) if scheduler is None else DaskExecutor(scheduler, folder)
+    return LocalExecutor(jobs or starters.cores()) if scheduler is None else DaskExecutor(scheduler, folder)
 
 
 def _run(

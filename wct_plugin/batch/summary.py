@@ -72,7 +72,8 @@ def _not_kept(record: Record) -> tuple[str, str]:
     """How many creases the last filter that says so gave up, and its losses in words; empty where none says."""
     for found in reversed(list(record.metrics.values())):
         if "losses" in found:
-            return str(found["released"]["creases"]), "; ".join(loss["text"] for loss in found["losses"])
+            creases = str(found["released"]["creases"]) if "released" in found else ""  # Delaunay goals give up none
+            return creases, "; ".join(loss["text"] for loss in found["losses"])
     return "", ""
 
 
