@@ -1,5 +1,6 @@
 # make demo   a real surface through fTetWild, well-centered, measured, written
 # make test   the whole suite           make lint   style, types, who imports whom           make bench   ours and the peers side by side
+# make wheel  built, audited, installed without a compiler, at work
 # make docs   the site in build/site; docs/filters.md, the types of wct_plugin.Filter and the stub of the core, made from declarations
 # Each sets up what it needs: Debian packages that are missing, a virtual environment in .venv, an editable install.
 
@@ -16,7 +17,7 @@ DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exist
 DEB_TEST := doctest-dev tetgen calculix-ccx chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: demo test bench kills lint docs clean
+.PHONY: demo test bench kills lint docs wheel clean
 
 demo: $(VENV)/.demo
 	$(BIN)/wct optimize "$$($(BIN)/python -c 'import importlib.util as u; print(u.find_spec("pymeshlab").submodule_search_locations[0])')/tests/sample_meshes/bone.ply" \
@@ -32,11 +33,16 @@ lint: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/clang-format --dry-run --Werror $(CORE) $(CORE_TESTS)
+	$(BIN)/actionlint
+	$(BIN)/hadolint Dockerfile
 	rm -rf build/lint && mkdir -p build/lint && cp -r wct_plugin build/lint && cp -r filters build/lint/wct_plugin
 	cd build/lint && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p wct_plugin
 	cd build/lint && PYTHONPATH=$$($(abspath $(BIN))/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') \
 		$(abspath $(BIN))/python -S -c 'from importlinter.cli import lint_imports_command; lint_imports_command()' ../../pyproject.toml
 	$(BIN)/python -m pytest -q tests/cpp/test_layers.py
+
+wheel: $(VENV)/.test
+	.ci/wheel
 
 # make kills [COUNT=times that each command is killed]
 kills: $(VENV)/.test
@@ -62,8 +68,8 @@ $(VENV)/.demo: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python
 	$(BIN)/pip install -e '.[view]'
 	touch $@
 
-$(VENV)/.test: pyproject.toml CMakeLists.txt $(CORE) | $(BIN)/python deb-test
-	$(BIN)/pip install -e '.[test]'
+$(VENV)/.test: pyproject.toml .ci/tools.txt CMakeLists.txt $(CORE) | $(BIN)/python deb-test
+	$(BIN)/pip install -c .ci/tools.txt -e '.[test]'
 	touch $@ $(VENV)/.demo
 
 # One peer at a time: where one has no wheel, its row says "not installed".
