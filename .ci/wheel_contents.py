@@ -9,10 +9,13 @@ from pathlib import Path
 
 def wheel(path: Path) -> None:
     """Our packages as git has them, the compiled core, and no C++."""
-    names = zipfile.ZipFile(path).namelist()
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
     tops = {name.split("/")[0] for name in names if ".dist-info/" not in name}
     assert tops == {"wct_plugin"}, f"top-level names in the wheel: {tops}"
-    ours = subprocess.run(["git", "ls-files", "wct_plugin", "filters"], capture_output=True, text=True, check=True).stdout
+    ours = subprocess.run(
+        ["git", "ls-files", "wct_plugin", "filters"], capture_output=True, text=True, check=True
+    ).stdout
     wanted = {f"wct_plugin/{name}" if name.startswith("filters/") else name for name in ours.splitlines()}
     assert len(wanted) > 150, wanted
     assert wanted <= set(names), f"the wheel lacks {sorted(wanted - set(names))}"
@@ -24,7 +27,8 @@ def wheel(path: Path) -> None:
 
 def source_archive(path: Path) -> None:
     """What it takes to build."""
-    names = tarfile.open(path).getnames()
+    with tarfile.open(path) as archive:
+        names = archive.getnames()
     for needed in ("CMakeLists.txt", "cpp/bindings/module.cpp", "filters/get_quality.py", "LICENSE"):
         assert any(name.endswith("/" + needed) for name in names), f"the source archive lacks {needed}"
 

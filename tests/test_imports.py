@@ -13,7 +13,7 @@ from wct_plugin.cli.commands import COMMANDS
 from wct_plugin.cli.main import cli
 
 #: What takes long to import and is needed by none of the cases below.
-HEAVY = ("scipy", "matplotlib", "pyvista", "pymeshlab", "pytetwild")
+HEAVY = ("scipy", "matplotlib", "pyvista", "pymeshlab", "pytetwild", "h5py", "netCDF4")
 _ASK = "import sys; {code}; print(*[name for name in {names!r} if name in sys.modules])"
 
 
