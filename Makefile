@@ -37,6 +37,7 @@ lint: $(VENV)/.test
 	$(BIN)/hadolint Dockerfile
 	rm -rf build/lint && mkdir -p build/lint && cp -r wct_plugin build/lint && cp -r filters build/lint/wct_plugin
 	cd build/lint && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p wct_plugin
+	cd build/lint && $(abspath $(BIN))/mypy --platform win32 --config-file ../../pyproject.toml -p wct_plugin
 	cd build/lint && PYTHONPATH=$$($(abspath $(BIN))/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') \
 		$(abspath $(BIN))/python -S -c 'from importlinter.cli import lint_imports_command; lint_imports_command()' ../../pyproject.toml
 	$(BIN)/python -m pytest -q tests/cpp/test_layers.py

@@ -15,6 +15,7 @@ import warnings
 from pathlib import Path
 
 WCT = Path(sys.executable).with_name("wct")
+NOT_ON_WINDOWS = ("wct_plugin.batch.fork_server", "wct_plugin.batch.process_sessions")
 REPAIR = [{"type": "filters.meshlab", "filter": "meshing_remove_duplicate_vertices"}]
 
 
@@ -31,7 +32,8 @@ def modules() -> None:
     from wct_plugin.pipeline.stage import filter_names, find_filter
 
     for one in pkgutil.walk_packages(wct_plugin.__path__, "wct_plugin."):
-        importlib.import_module(one.name)
+        if sys.platform != "win32" or one.name not in NOT_ON_WINDOWS:
+            importlib.import_module(one.name)
     for name in filter_names():
         find_filter(name)
 

@@ -32,6 +32,8 @@ from wct_plugin.io.meshio_modules import meshio_module
 from wct_plugin.pipeline.provenance import versions
 from wct_plugin.pipeline.stage import filter_names, find_filter
 
+assert sys.platform != "win32", "no process can be forked there"
+
 #: Seconds between two looks at the memory; looking never takes more than this share of a core.
 _LOOK, _SHARE = 0.05, 0.04
 

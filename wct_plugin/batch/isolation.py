@@ -80,10 +80,11 @@ class ForkServer:
 
     def _send(self, connection: socket.socket) -> None:
         """Hand over the other end of a job's connection; :func:`socket.send_fds` of Python 3.11 drops the flag."""
-        handle = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [connection.fileno()]))
         for again in (True, False):
             try:
-                self._connected().sendmsg([b"j"], [handle], _NO_SIGNAL)
+                if sys.platform != "win32":  # which does not come here
+                    handle = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [connection.fileno()]))
+                    self._connected().sendmsg([b"j"], [handle], _NO_SIGNAL)
                 return
             except BrokenPipeError:  # a process that ends hangs up some time before: poll() does not see it yet
                 if not again:
@@ -208,7 +209,7 @@ def _cause(job: Job, verdict: Verdict, attempt: Path) -> str:
     with contextlib.suppress(OSError):
         words = (attempt / "words").read_text("utf-8", errors="replace")
     said = child_process.last_words(words, lines=1)
-    if verdict.signal == signal.SIGKILL:
+    if verdict.signal and signal.Signals(verdict.signal).name == "SIGKILL":  # which Windows does not know
         return "was killed, most likely because the system ran out of memory"
     if verdict.signal:
         return f"crashed with {signal.Signals(verdict.signal).name}{said}"

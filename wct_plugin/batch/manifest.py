@@ -19,6 +19,8 @@ from wct_plugin.errors import InputError, OptionError, OutputError
 if sys.platform != "win32":
     import fcntl
 
+_BINARY = getattr(os, "O_BINARY", 0)  # Windows would write two characters for a line break
+
 
 class Manifest:
     """The manifest of the output directory ``folder``, or of one shard there, held by one batch at a time.
@@ -150,7 +152,7 @@ class Manifest:
 def _hold(path: Path) -> int | None:
     """A handle of the file that no other batch has; None if one has it. The lock goes when its process ends."""
     try:
-        handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | _BINARY, 0o666)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     if sys.platform != "win32":
@@ -163,8 +165,9 @@ def _hold(path: Path) -> int | None:
 
 
 def _cut_torn_line(handle: int) -> None:
-    size = os.fstat(handle).st_size
-    content = os.pread(handle, size, 0)
+    with open(handle, "rb", closefd=False) as file:
+        file.seek(0)
+        content = file.read()
     os.ftruncate(handle, content.rfind(b"\n") + 1)
 
 

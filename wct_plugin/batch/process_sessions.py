@@ -13,6 +13,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+assert sys.platform != "win32", "no sessions of processes there"
+
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 # Where in /proc/PID/stat, counted from behind the name.
 _STATE, _SESSION, _RESIDENT = 0, 3, 21

@@ -16,7 +16,6 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from wct_plugin.batch.job import Job, perform
 from wct_plugin.batch.starters import LostError, UnwantedError, Verdict, environment
@@ -30,11 +29,11 @@ from wct_plugin.batch.spawning import main
 main(sys.argv[2])
 """
 if sys.platform == "win32":
-    _APART: dict[str, Any] = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    _NEW_GROUP = subprocess.CREATE_NEW_PROCESS_GROUP
 else:
     from wct_plugin.batch import process_sessions
 
-    _APART = {"start_new_session": True}  # Ctrl-C in the terminal is for the caller alone
+    _NEW_GROUP = 0
 
 
 class Spawner:
@@ -53,7 +52,13 @@ class Spawner:
             (attempt / _REQUEST).write_text(json.dumps(asdict(job)), encoding="utf-8")
             with (attempt / "words").open("ab") as words:
                 process = subprocess.Popen(
-                    command, env=environment(self._jobs), stdin=subprocess.PIPE, stdout=words, stderr=words, **_APART
+                    command,
+                    env=environment(self._jobs),
+                    stdin=subprocess.PIPE,
+                    stdout=words,
+                    stderr=words,
+                    creationflags=_NEW_GROUP,  # Ctrl-C in the terminal is for us alone
+                    start_new_session=True,  # the same elsewhere
                 )
         except OSError as error:
             raise LostError(f"no process could be started for the job: {error.strerror or error}") from error

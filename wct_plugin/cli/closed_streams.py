@@ -28,9 +28,10 @@ def flushed() -> bool:
 
 def _flush(stream: TextIO | None) -> bool:
     """Whether the stream took what is buffered; else its handle leads nowhere from now on, and the buffer with it."""
+    if stream is None:
+        return True
     try:
-        if stream is not None:
-            stream.flush()
+        stream.flush()
     except OSError:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())

@@ -58,17 +58,16 @@ def _locked(folder: Path, *, wait: bool) -> Iterator[bool]:
 
 def _hold(folder: Path, *, wait: bool) -> int | None:
     """A handle of the folder that nobody else has; None where another has it, or the system cannot lock folders."""
-    if sys.platform == "win32":
-        return None
-    with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except OSError:
-            os.close(handle)
-        except BaseException:
-            os.close(handle)
-            raise
-        else:
-            return handle
+    if sys.platform != "win32":
+        with suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+            except OSError:
+                os.close(handle)
+            except BaseException:
+                os.close(handle)
+                raise
+            else:
+                return handle
     return None
