@@ -51,5 +51,5 @@ def test_plot_refuses_in_one_line(monkeypatch):
     with pytest.raises(OptionError, match=r"scalars is 'cold'; allowed are 'region'$"):
         CUBE.plot("cold")
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(WctError, match=r"pip install 'wct_plugin\[pyvista\]'"):
+    with pytest.raises(WctError, match=r"pip install '\.\[pyvista\]' in a clone"):
         CUBE.plot()

@@ -167,7 +167,7 @@ def test_without_webgl_the_pictures_stay(tmp_path):
 def test_without_the_extra_the_page_says_what_to_install(monkeypatch):
     monkeypatch.setattr(interactive_view, "library", lambda: None)
     text = html([make_report(AFTER)], "t", meshes=[AFTER])
-    assert "pip install &#x27;wct_plugin[view]&#x27;" in text
+    assert "pip install &#x27;.[view]&#x27; in a clone" in text
     assert "<script" not in text
     assert "data:image/png" in text
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.errors import OptionError, WctError
+from wct_plugin.errors import OptionError, WctError, how_to_install
 from wct_plugin.mesh.in_words import few, in_words
 from wct_plugin.types import Floats, Ints
 
@@ -77,7 +77,7 @@ class Shown:
         try:
             import pyvista as pv
         except ImportError:
-            raise WctError("plot() needs pyvista: pip install 'wct_plugin[pyvista]'") from None
+            raise WctError(f"plot() needs pyvista: {how_to_install('pyvista')}") from None
         grid = pv.UnstructuredGrid({_TYPES[vertices.shape[1]]: vertices}, self.points)
         for name, values in point_data.items():
             grid.point_data[name] = values

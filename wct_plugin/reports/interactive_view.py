@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from wct_plugin.errors import how_to_install
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reports import colour_scales
 from wct_plugin.reports.colour_scales import Rgb, Stops, hexadecimal
@@ -104,7 +105,7 @@ def view(names: Sequence[str], meshes: Sequence[TetMesh], apart: Apart | None) -
     """The meshes beside each other, turned and cut alike; the last one says how they stand."""
     code = library()
     if code is None:
-        return View(paragraph("A view to turn and cut in 3D comes with: pip install 'wct_plugin[view]'", "muted"))
+        return View(paragraph(f"A view to turn and cut in 3D comes with: {how_to_install('view')}", "muted"))
     shown = [len(mesh.topology.boundary) <= MOST for mesh in meshes][:_MOST_MESHES]
     if not all(shown):
         said = f"There is no 3D view: the boundary alone has more than {MOST} triangles."
