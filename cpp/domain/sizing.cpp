@@ -414,26 +414,23 @@ double Sizing::on_surface(const Foot &foot) const {
     return foot.weight[0] * surface[t[0]] + foot.weight[1] * surface[t[1]] + foot.weight[2] * surface[t[2]];
 }
 
-double Sizing::at(const Vec3 &p, int hint) const {
+double Sizing::at(const Vec3 &p) const {
     const auto &data = reference_.data();
+    const double most = form_.coarsen * input_size(p);
     const geometry::BoxTree &tree = reference_.tree();
     const double grade = form_.inner_grade;
-    const auto grown_from = [&](std::size_t item) {
-        const auto &[a, b, c] = data.triangles[item];
-        const geometry::TrianglePoint q =
-            geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
-        return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
-               grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
-    };
-    double most = form_.coarsen * input_size(p);
-    if (hint >= 0)
-        most = std::min(most, grown_from(static_cast<std::size_t>(hint)));
     return tree.minimise(
         most,
         [&](std::size_t node) {
             return std::max(least_[node], least_from_[node] + grade * std::sqrt(tree.box(node).square(p)));
         },
-        [&](std::size_t item, double) { return grown_from(item); });
+        [&](std::size_t item, double) {
+            const auto &[a, b, c] = data.triangles[item];
+            const geometry::TrianglePoint q =
+                geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
+            return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
+                   grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
+        });
 }
 
 } // namespace wct::domain

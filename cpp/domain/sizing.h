@@ -60,8 +60,7 @@ class Sizing {
     Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
            std::span<const double> wanted, const Workers &workers);
 
-    /// Sooner where `hint` is a triangle of the surface near p; the answer does not depend on it.
-    double at(const Vec3 &p, int hint = -1) const;
+    double at(const Vec3 &p) const;
     double on_surface(const Foot &foot) const;
     double input_size(const Vec3 &p) const;
     double smallest() const { return smallest_; }

@@ -27,10 +27,11 @@ std::vector<char> curved_points(const Cloud &cloud, const domain::Reference &ref
     return curved;
 }
 
-/// Whether any patch lies inside: between two regions, or in one.
-bool has_inner_patches(const domain::Reference &reference) {
+/// Whether there are no creases, and no patch between two regions or in one.
+bool is_smooth(const domain::Reference &reference) {
     const auto &sides = reference.data().sides;
-    return std::any_of(sides.begin(), sides.end(), [](const auto &side) { return side[0] >= 0 && side[1] >= 0; });
+    return reference.curves().empty() &&
+           std::none_of(sides.begin(), sides.end(), [](const auto &side) { return side[0] >= 0 && side[1] >= 0; });
 }
 
 bool has_curved_patches(const domain::Reference &reference) {
@@ -41,8 +42,7 @@ bool has_curved_patches(const domain::Reference &reference) {
 }
 
 void refresh_sizes(Cloud &cloud, const domain::Sizing &sizing, const Workers &workers) {
-    workers.for_each(cloud.count(), 256,
-                     [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i], cloud.near[i]); });
+    workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
 }
 
 /// Points of tets that fitting the surface has turned over go back to where they were.
@@ -114,7 +114,7 @@ class Resampling : Task {
   public:
     Resampling(const Task &task, domain::Sizing &sizing, Stopwatch &watch)
         : Task(task), sizing_(sizing), watch_(watch), random_(options.seed), curved_(has_curved_patches(reference)),
-          parted_(has_inner_patches(reference)), tolerance_(options.sizing.tolerance),
+          smooth_(is_smooth(reference)), tolerance_(options.sizing.tolerance),
           fit_{options.fit_target * tolerance_, options.fit_weight, options.fit_pull, options.shell * tolerance_},
           correction_(reference.data().points.size(), 0.0), ceiling_(sizing.surface),
           euler_(geometry::euler_characteristics(mesh.tets, mesh.region)) {}
@@ -129,9 +129,9 @@ class Resampling : Task {
 
   private:
     Cloud seeds();
-    /// Spread the points evenly for their sizes, and fill holes: with momentum at first, but for a trial, and where
-    /// parts meet inside. There starts with a fourth fewer bad tets end with no fewer, as these are at the parts'
-    /// edges.
+    /// Spread the points evenly for their sizes, and fill holes: on smooth bodies with momentum at first, but for a
+    /// trial. Where there are creases or parts, starts have a fourth fewer bad tets with it too, but end no sooner:
+    /// what is left is at the creases, more of which are given up then.
     Cloud relaxed(Cloud cloud, bool trial);
     /// Fill holes and thin crowds of the surface.
     void mend_surface(Cloud &cloud, RestrictedDelaunay &complex) const;
@@ -150,7 +150,7 @@ class Resampling : Task {
     Stopwatch &watch_;
     Random random_;
     bool curved_; // whether any patch is
-    bool parted_; // whether any patch is inside
+    bool smooth_; // no crease, no patch inside
     double tolerance_;
     FitForm fit_;
     std::vector<double> correction_; // of offsets, per vertex of the surface
@@ -174,7 +174,7 @@ void Resampling::mend_surface(Cloud &cloud, RestrictedDelaunay &complex) const {
 
 Cloud Resampling::relaxed(Cloud cloud, bool trial) {
     int left = trial ? options.trial_sweeps : options.sweeps;
-    const bool steady = trial || parted_;
+    const bool steady = trial || !smooth_;
     bool settling = steady;
     for (int sweep = 0; left > 0 && !monitor.stopped(); ++sweep) {
         --left;
@@ -240,7 +240,7 @@ bool Resampling::settled(const std::vector<double> &fewest, const Start &best) c
     if (fewest.size() <= lately)
         return false;
     const double before = fewest.end()[-1 - static_cast<std::ptrdiff_t>(lately)], now = fewest.back();
-    const double least = best.intact ? options.least_worth * static_cast<double>(best.tally.tets) : 0.0;
+    const double least = best.intact && smooth_ ? options.least_worth * static_cast<double>(best.tally.tets) : 0.0;
     return now > options.worth * before || before - now < least;
 }
 

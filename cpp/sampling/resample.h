@@ -52,7 +52,8 @@ struct ResampleOptions {
     /// sooner.
     static constexpr int lately = 2;
     static constexpr double worth = 0.9;
-    /// And by how many at least, as a share of all tets: a round costs as much as the search of so many bad ones.
+    /// And by how many at least, as a share of all tets, on smooth bodies: a round costs as much as the search of half
+    /// as many bad ones. At creases each that is left costs more.
     static constexpr double least_worth = 2e-3;
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes

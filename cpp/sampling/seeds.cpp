@@ -58,7 +58,7 @@ class LatticeLevel {
         if (foot.distance > radius && map_.region(center, foot) < 0)
             return;
         if (levels_.count() > 1) {
-            const double size = sizing_.at(center, foot.triangle);
+            const double size = sizing_.at(center);
             const double change = sizing_.form().inner_grade * radius;
             if (levels_.of(std::max(size - change, kLeast * size)) > level_ || levels_.of(size + change) < level_)
                 return;
@@ -82,7 +82,7 @@ class LatticeLevel {
     }
 
     template <class Take> void try_point(const Vec3 &p, int &hint, const Take &take) const {
-        const double size = sizing_.at(p, hint);
+        const double size = sizing_.at(p);
         if (levels_.of(size) != level_)
             return;
         const domain::Foot foot = reference_.nearest(p, -1, hint);
@@ -93,7 +93,7 @@ class LatticeLevel {
             return;
         const int region = map_.region(p, foot);
         if (region >= 0)
-            take(p, size, region, foot.triangle);
+            take(p, size, region);
     }
 
     const domain::Reference &reference_;
@@ -134,11 +134,10 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         // Points of finer levels keep points of this one at a distance of a share of their mean cell.
         std::vector<Vec3> fresh;
         LatticeLevel(reference, map, sizing, form, renewal, level, levels)
-            .collect(box, [&](const Vec3 &p, double size, int region, int near) {
+            .collect(box, [&](const Vec3 &p, double size, int region) {
                 if (wires.crowded(p, form.wire_gap * size) || (level > 0 && grid.crowded(p, form.level_gap * cell)))
                     return;
                 cloud.add(p + (form.jitter * size) * in_cube(random), Stratum::interior, region, size);
-                cloud.near.back() = near;
                 fresh.push_back(p);
             });
         for (const Vec3 &p : fresh)
