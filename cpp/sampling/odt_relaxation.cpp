@@ -26,15 +26,28 @@ struct Mean {
     }
 };
 
-} // namespace
+/// Per point where its neighbourhood wants it: of interior points by the tets round it, of others by the facets.
+struct Wishes {
+    std::vector<Mean> inner, outer;
+};
 
-double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
-             double momentum, const Workers &workers) {
-    const auto &points = cloud.points;
+/// The circumcenter of a tet, drawn in to the centroid where it is far outside: there it says little.
+Vec3 drawn_in_circumcenter(const Vec3 &p, const Vec3 &u, const Vec3 &v, const Vec3 &w, double det) {
     constexpr double flat = 1e-9;    // six times the volume, per cube of the mean edge
     constexpr double farthest = 0.5; // of a circumcenter from the centroid, in mean edges
-    std::vector<Mean> inner(points.size());
-    std::vector<Mean> outer(points.size());
+    const Vec3 middle = p + 0.25 * (u + v + w);
+    const double edge = (norm(u) + norm(v) + norm(w) + norm(v - u) + norm(w - v) + norm(u - w)) / 6.0;
+    if (!(det > flat * edge * edge * edge))
+        return middle;
+    const Vec3 center = p + geometry::to_circumcenter(u, v, w, det);
+    const Vec3 d = center - middle;
+    const double far = norm(d);
+    return far > farthest * edge ? middle + (farthest * edge / far) * d : center;
+}
+
+Wishes wishes_of(const Cloud &cloud, const RestrictedDelaunay &complex) {
+    const auto &points = cloud.points;
+    Wishes out{std::vector<Mean>(points.size()), std::vector<Mean>(points.size())};
     for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
         if (complex.region[t] < 0)
             continue;
@@ -44,22 +57,12 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
         const Vec3 v = points[tet[2]] - p;
         const Vec3 w = points[tet[3]] - p;
         const double det = dot(cross(u, v), w);
-        const Vec3 middle = p + 0.25 * (u + v + w);
-        const double edge = (norm(u) + norm(v) + norm(w) + norm(v - u) + norm(w - v) + norm(u - w)) / 6.0;
-        // A circumcenter far outside its tet says little: it is drawn in to the centroid.
-        Vec3 center = middle;
-        if (det > flat * edge * edge * edge) {
-            center = p + geometry::to_circumcenter(u, v, w, det);
-            const Vec3 d = center - middle;
-            const double far = norm(d);
-            if (far > farthest * edge)
-                center = middle + (farthest * edge / far) * d;
-        }
+        const Vec3 center = drawn_in_circumcenter(p, u, v, w, det);
         double size = 0.0;
         for (const int k : tet)
             size += 0.25 * cloud.size[k];
         for (const int k : tet)
-            inner[k].add(center, std::fabs(det) / (size * size));
+            out.inner[k].add(center, std::fabs(det) / (size * size));
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_surface(static_cast<int>(t), i))
                 continue;
@@ -68,12 +71,21 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
             const double s = (cloud.size[f[0]] + cloud.size[f[1]] + cloud.size[f[2]]) / 3.0;
             const Vec3 c = (1.0 / 3.0) * (points[f[0]] + points[f[1]] + points[f[2]]);
             for (const int k : f)
-                outer[k].add(c, norm(n) / (s * s));
+                out.outer[k].add(c, norm(n) / (s * s));
         }
     }
+    return out;
+}
+
+} // namespace
+
+double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
+             double momentum, const Workers &workers) {
+    const auto &points = cloud.points;
+    const Wishes wishes = wishes_of(cloud, complex);
     const std::vector<Vec3> before = points;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Mean &mean = cloud.role[i] == Stratum::interior ? inner[i] : outer[i];
+        const Mean &mean = cloud.role[i] == Stratum::interior ? wishes.inner[i] : wishes.outer[i];
         const bool free =
             cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
         if (free && mean.weight > 0.0)
