@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from support.full_mesh import full_mesh, full_surface, plain_mesh
+from support.typing_in import type_in
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 
@@ -14,6 +15,13 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 def pytest_configure() -> None:
     """Ctrl-C is Python's, here and in every child: a shell that starts the suite behind it has it ignored."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """A folder with what ``wct demo`` leaves, and what it said: it takes a while, and most documents begin with it."""
+    place = tmp_path_factory.mktemp("demo")
+    return place, type_in(["wct", "demo"], place)
 
 
 @pytest.fixture

@@ -32,10 +32,10 @@ def test_every_block_is_run():
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory, samples):
+def folder(tmp_path_factory, demo):
     """Where all has been typed, but for the demo, whose files are there."""
     place = tmp_path_factory.mktemp("typed")
-    shutil.copytree(samples, place, dirs_exist_ok=True)
+    shutil.copytree(demo[0], place, dirs_exist_ok=True)
     python = ""  # what an interpreter that stays open would know already
     for language, text in blocks():
         if language == "python":

@@ -65,12 +65,12 @@ def blocks(page):
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_a_tutorial_runs_as_it_stands(page, tmp_path, samples):
+def test_a_tutorial_runs_as_it_stands(page, tmp_path, demo):
     """Shell block by block, but for the demo; Python in one interpreter that stays open, as a reader's would."""
     python = ""
     for language, text in blocks(page):
         for folder in re.findall(r"^wct demo(?: (\w+))?$", text, flags=re.MULTILINE):
-            shutil.copytree(samples, tmp_path / folder, dirs_exist_ok=True)
+            shutil.copytree(demo[0], tmp_path / folder, dirs_exist_ok=True)
         if language == "python":
             python += text
             type_in([sys.executable, "-c", python], tmp_path)

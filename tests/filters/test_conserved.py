@@ -44,9 +44,8 @@ def volumes(mesh):
     return np.array([each[mesh.regions == tag].sum() for tag in np.unique(mesh.regions)])
 
 
-@pytest.mark.parametrize("sides", [24])
-def test_a_round_contact_keeps_its_area_and_both_regions_their_volume(sides):
-    mesh = drum(sides, 4, 4)
+def test_a_round_contact_keeps_its_area_and_both_regions_their_volume():
+    mesh = drum(16, 3, 3)
     better, found = apply_filter("meshing_well_centered", mesh, goal="3wc")
     old, new = (area(one.points, one.facets.vertices) for one in (mesh, better))
     assert new == pytest.approx(old, rel=5e-3)

@@ -30,7 +30,7 @@ def joint_length(mesh, low, high):
 @pytest.mark.parametrize("regions", [1, 2])
 @pytest.mark.parametrize(("shift", "low"), [((1.0, 1.0, 0.0), 0.0), ((1.0, 1.0, 0.3), 0.3)])
 def test_two_cubes_that_share_an_edge(tmp_path, shift, low, regions):
-    mesh = joined_cubes(tmp_path, shift, 0.25, regions=regions)
+    mesh = joined_cubes(tmp_path, shift, 0.34, regions=regions)
     out, metrics = wct.apply_filter("meshing_well_centered", mesh)
     measured = quality.measure(out)
     assert measured.completely_well_centered.all()
