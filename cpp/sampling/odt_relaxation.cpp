@@ -77,6 +77,19 @@ Wishes wishes_of(const Cloud &cloud, const RestrictedDelaunay &complex) {
     return out;
 }
 
+/// How far the points of a stratum moved last, in sizes: root of the mean square.
+double moved(const Cloud &cloud, Stratum role) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == role) {
+            const Vec3 move = (1.0 / cloud.size[i]) * cloud.drift[i];
+            sum += dot(move, move);
+            ++count;
+        }
+    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+}
+
 } // namespace
 
 double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
@@ -94,15 +107,9 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
             cloud.points[i] += momentum * cloud.drift[i];
     }
     retract(cloud, reference, workers);
-    Mean inside, on_patches; // squares of moves
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < points.size(); ++i)
         cloud.drift[i] = points[i] - before[i];
-        const Vec3 move = (1.0 / cloud.size[i]) * cloud.drift[i];
-        if (cloud.role[i] <= Stratum::patch)
-            (cloud.role[i] == Stratum::interior ? inside : on_patches).add({dot(move, move), 0.0, 0.0}, 1.0);
-    }
-    const auto root = [](const Mean &mean) { return mean.weight > 0.0 ? std::sqrt(mean.sum.x / mean.weight) : 0.0; };
-    return std::max(root(inside), root(on_patches));
+    return std::max(moved(cloud, Stratum::interior), moved(cloud, Stratum::patch));
 }
 
 int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double longest,

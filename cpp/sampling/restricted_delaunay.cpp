@@ -122,14 +122,8 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
 
 /// The triangles that bound regions, once for each region that they bound.
 struct RegionSurfaces {
-    struct Use {
-        int region;
-        int v, w;
-        int triangle;
-    };
     std::vector<Facet> triangles;
     std::vector<int> owner; // region of each
-    std::vector<Use> uses;  // of edges, those of one edge by one region beside each other
 };
 
 RegionSurfaces region_surfaces(const RestrictedDelaunay &complex) {
@@ -138,16 +132,27 @@ RegionSurfaces region_surfaces(const RestrictedDelaunay &complex) {
         for (int i = 0; i < 4; ++i) {
             if (complex.region[t] < 0 || complex.beyond(t, i) == complex.region[t])
                 continue;
-            const Facet f = complex.facet(t, i);
-            const int triangle = static_cast<int>(out.triangles.size());
-            for (int k = 0; k < 3; ++k) {
-                const auto [v, w] = std::minmax(f[k], f[(k + 1) % 3]);
-                out.uses.push_back({complex.region[t], v, w, triangle});
-            }
-            out.triangles.push_back(f);
+            out.triangles.push_back(complex.facet(t, i));
             out.owner.push_back(complex.region[t]);
         }
-    std::sort(out.uses.begin(), out.uses.end(), [](const auto &a, const auto &b) {
+    return out;
+}
+
+struct EdgeUse {
+    int region;
+    int v, w;
+    int triangle;
+};
+
+/// Who uses which edge, those of one edge by one region beside each other.
+std::vector<EdgeUse> edge_uses(const RegionSurfaces &surfaces) {
+    std::vector<EdgeUse> out;
+    for (std::size_t k = 0; k < surfaces.triangles.size(); ++k)
+        for (int i = 0; i < 3; ++i) {
+            const auto [v, w] = std::minmax(surfaces.triangles[k][i], surfaces.triangles[k][(i + 1) % 3]);
+            out.push_back({surfaces.owner[k], v, w, static_cast<int>(k)});
+        }
+    std::sort(out.begin(), out.end(), [](const auto &a, const auto &b) {
         return std::tie(a.region, a.v, a.w, a.triangle) < std::tie(b.region, b.v, b.w, b.triangle);
     });
     return out;
@@ -156,7 +161,7 @@ RegionSurfaces region_surfaces(const RestrictedDelaunay &complex) {
 /// Join the triangles' corners (three times the triangle, and which) into fans, across edges that two triangles of a
 /// region use; the ends of all other edges are pinched.
 DisjointSets join_fans(const RegionSurfaces &surfaces, std::vector<int> &pinched) {
-    const auto &uses = surfaces.uses;
+    const std::vector<EdgeUse> uses = edge_uses(surfaces);
     DisjointSets fans(3 * surfaces.triangles.size());
     const auto corner = [&](int triangle, int v) {
         const Facet &f = surfaces.triangles[triangle];
@@ -273,20 +278,14 @@ Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex) {
 std::vector<int> euler_characteristics(const RestrictedDelaunay &complex, const Flaws &flaws) {
     if (!flaws.pinched.empty())
         return geometry::euler_characteristics(complex.all.tets, complex.region);
-    std::vector<int> sum; // per region its surface's vertices less half its triangles: each edge is on two of these
+    const RegionSurfaces surfaces = region_surfaces(complex);
+    const int most = surfaces.owner.empty() ? -1 : *std::max_element(surfaces.owner.begin(), surfaces.owner.end());
+    std::vector<int> sum(most + 1, 0); // twice its surface's vertices less its triangles: each edge is on two of these
     std::vector<std::array<int, 2>> corners; // region and point
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t) {
-        const int region = complex.region[t];
-        if (region < 0)
-            continue;
-        if (region >= static_cast<int>(sum.size()))
-            sum.resize(region + 1, 0);
-        for (int i = 0; i < 4; ++i)
-            if (complex.beyond(t, i) != region) {
-                --sum[region];
-                for (const int v : complex.facet(t, i))
-                    corners.push_back({region, v});
-            }
+    for (std::size_t k = 0; k < surfaces.triangles.size(); ++k) {
+        --sum[surfaces.owner[k]];
+        for (const int v : surfaces.triangles[k])
+            corners.push_back({surfaces.owner[k], v});
     }
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from support.builders import jittered_cube
+from support.typing_in import PATH
 
 import wct_plugin as wct
 
@@ -41,10 +42,9 @@ def test_the_slurm_array(tmp_path):
         wct.write(tmp_path / f"c{k}.vtu", jittered_cube(1, k))
     (tmp_path / "chain.json").write_text('[{"type": "filters.get_quality"}]')
     task = {"SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1", "SLURM_MEM_PER_CPU": "1000"}
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = []
     for number in ("1", "2"):
-        environment = {**os.environ, **task, "SLURM_ARRAY_TASK_ID": number, "PATH": path}
+        environment = {**os.environ, **task, "SLURM_ARRAY_TASK_ID": number, "PATH": PATH}
         command = [EXAMPLES / "batch_slurm_array.sh", "*.vtu", "out", "chain.json"]
         subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=True)
         done.append(len((tmp_path / f"out/manifest-{number}of2.jsonl").read_text().splitlines()))

@@ -21,9 +21,8 @@ import socket
 import sys
 import time
 import traceback
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from wct_plugin.batch import process_sessions
 from wct_plugin.batch.job import Job, perform
@@ -179,16 +178,9 @@ class Server:
             process_sessions.kill(pid)
             if not child.stopped:
                 self._selector.unregister(child.connection)
-            unit = 1 if sys.platform == "darwin" else 1024
-            verdict: dict[str, Any] = {
-                "stopped": child.stopped,
-                "signal": os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0,
-                "exit_code": os.WEXITSTATUS(status) if os.WIFEXITED(status) else 0,
-                "cpu_seconds": usage.ru_utime + usage.ru_stime,
-                "peak_bytes": max(child.peak, usage.ru_maxrss * unit),
-            }
+            verdict = process_sessions.verdict(child.stopped, status, usage, child.peak)
             with contextlib.suppress(OSError), child.connection as connection:  # nobody may be listening
-                connection.sendall(json.dumps(verdict).encode() + b"\n")
+                connection.sendall(json.dumps(asdict(verdict)).encode() + b"\n")
 
     def _end_all(self) -> None:
         for child in self._children.values():

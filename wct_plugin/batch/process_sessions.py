@@ -13,6 +13,11 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from wct_plugin.batch.starters import Verdict
+
+if sys.platform != "win32":
+    import resource
+
 assert sys.platform != "win32", "no sessions of processes there"
 
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
@@ -70,20 +75,29 @@ def kill(session: int) -> None:
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(session, signal.SIGKILL)
     for _ in range(50):  # one may have started another in between
-        members = [process for process, of, _ in _processes() if of == session]
-        if not members:
+        if not _kill_members(session):
             return
-        for process in members:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(process, signal.SIGKILL)
         time.sleep(0.005)
 
 
 def kill_own() -> None:
     """Kill every process of the session that this process leads, and itself last."""
-    mine = os.getpid()
-    for process, of, _ in list(_processes()):
-        if of == mine and process != mine:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(process, signal.SIGKILL)
-    os.killpg(mine, signal.SIGKILL)
+    _kill_members(os.getpid(), but=os.getpid())
+    os.killpg(os.getpid(), signal.SIGKILL)
+
+
+def _kill_members(session: int, but: int | None = None) -> bool:
+    """Kill the processes of a session, but for one; whether there were any."""
+    members = [process for process, of, _ in _processes() if of == session and process != but]
+    for process in members:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(process, signal.SIGKILL)
+    return bool(members)
+
+
+def verdict(stopped: str, status: int, usage: resource.struct_rusage, peak: int = 0) -> Verdict:
+    """How a process ended, of what :func:`os.wait4` gave; ``peak`` is what it was seen to use, in bytes."""
+    code = os.waitstatus_to_exitcode(status)
+    unit = 1 if sys.platform == "darwin" else 1024
+    most = max(peak, usage.ru_maxrss * unit)
+    return Verdict(stopped, max(-code, 0), max(code, 0), usage.ru_utime + usage.ru_stime, most)

@@ -93,12 +93,12 @@ def _verdict(process: "subprocess.Popen[bytes]") -> Verdict | None:
     if sys.platform == "win32":
         code = process.poll()
         return None if code is None else Verdict("", 0, code)
-    ended, status, usage = os.wait4(process.pid, os.WNOHANG)
-    if not ended:
-        return None
-    process.returncode = code = os.waitstatus_to_exitcode(status)
-    unit = 1 if sys.platform == "darwin" else 1024
-    return Verdict("", max(-code, 0), max(code, 0), usage.ru_utime + usage.ru_stime, usage.ru_maxrss * unit)
+    else:  # noqa: RET505  # mypy would look at what follows on Windows too
+        ended, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if not ended:
+            return None
+        process.returncode = os.waitstatus_to_exitcode(status)
+        return process_sessions.verdict("", status, usage)
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:

@@ -15,7 +15,7 @@ What a filter found out is in the field data ``metrics`` of what it gives, as JS
 import json
 from collections.abc import Callable
 from typing import Any, ClassVar, Literal, get_args, get_origin
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import pyvista as pv
 from pydantic.fields import FieldInfo
@@ -137,12 +137,8 @@ def property_xml(name: str, field: FieldInfo) -> str:
     return (
         f'<{element} name={quoteattr(_camel(name))} label={quoteattr(label)} command="Set{_camel(name)}" '
         f'number_of_elements="1" default_values={quoteattr(str(shown))}>{domain}'
-        f"<Documentation>{_escaped(field.description or '')}</Documentation></{element}>"
+        f"<Documentation>{escape(field.description or '')}</Documentation></{element}>"
     )
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def _in_menus(algorithm: type[FilterAlgorithm]) -> Any:

@@ -1,5 +1,6 @@
 """How meshes show themselves: a line where they are printed, a card in a notebook, a picture by pyvista."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
@@ -16,7 +17,7 @@ _TYPES = {3: 5, 4: 10}
 _STYLE = "display:inline-block;border:1px solid #8888;border-radius:.4em;padding:.4em .8em;line-height:1.5"
 
 
-class Shown:
+class Shown(ABC):
     """Base of meshes of one kind of cell."""
 
     points: Floats
@@ -24,17 +25,17 @@ class Shown:
     point_data: Mapping[str, NDArray[Any]]
     cell_data: Mapping[str, NDArray[Any]]
 
+    @abstractmethod
     def _counts(self) -> dict[str, int]:
         """How many there are of what, the cells second."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _named(self) -> dict[str, Iterable[Any]]:
         """What has names, by what it is."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _cells(self) -> tuple[Ints, Ints]:
         """Vertices of the cells and their tags."""
-        raise NotImplementedError
 
     def __repr__(self) -> str:
         return in_words(self, self.source, self._counts(), self._named())

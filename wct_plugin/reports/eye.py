@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.triangle_surfaces import normals
 from wct_plugin.types import Floats
 
 #: Columns of points turned so that the third is up, for either axis that files use as up.
@@ -60,8 +61,8 @@ def _upward(mesh: TetMesh) -> str:
 def _base(mesh: TetMesh, axis: int) -> float:
     """Area of the facets at the bottom that look down along an axis, as a share of the box's area there."""
     low, extent = mesh.points.min(axis=0), np.ptp(mesh.points, axis=0)
-    corners = (mesh.points[mesh.topology.boundary] - low) / np.maximum(extent, 1e-300)  # areas are shares of the box
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    points = (mesh.points - low) / np.maximum(extent, 1e-300)  # areas are shares of the box
+    normal = normals(points, mesh.topology.boundary)
     length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
-    down = (corners[:, :, axis].max(axis=1) < _BOTTOM) & (-normal[:, axis] > _DOWN * length)
+    down = (points[mesh.topology.boundary, axis].max(axis=1) < _BOTTOM) & (-normal[:, axis] > _DOWN * length)
     return float(-normal[down, axis].sum()) / 2.0
