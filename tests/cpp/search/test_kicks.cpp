@@ -1,0 +1,133 @@
+#include "search/kicks.h"
+
+#include "support/bench.h"
+#include "support/state.h"
+
+#include <doctest/doctest.h>
+
+namespace wct::tests {
+
+namespace {
+
+/// A bench with what kicks are made of.
+struct KickBench : Bench {
+    explicit KickBench(Body made, std::uint64_t seed)
+        : Bench(std::move(made)), random(seed), repair(complex, energy, operators, descent, group, random),
+          kicks(complex, energy, operators, descent, watch, repair, random) {}
+
+    std::vector<int> bad() const {
+        std::vector<int> out;
+        for (std::size_t t = 0; t < complex.tet_slots(); ++t)
+            if (complex.alive(static_cast<int>(t)) && energy.bad(complex.energy(static_cast<int>(t))))
+                out.push_back(static_cast<int>(t));
+        return out;
+    }
+
+    Random random;
+    search::Repair repair;
+    search::Kicks kicks;
+};
+
+} // namespace
+
+TEST_CASE("Repair: a pass lowers the energy and leaves a mesh") {
+    for (const int recipe : {0, 1, 2}) {
+        KickBench bench(cube(4, 0.3, 11), 1);
+        double before = bench.complex.total();
+        const std::size_t bad = bench.bad().size();
+        REQUIRE(bad > 50);
+        for (int pass = 0; pass < 2; ++pass) {
+            bench.repair.pass(search::Repair::recipes[recipe], bench.bad());
+            bench.complex.resum();
+            CHECK(bench.complex.total() < before);
+            before = bench.complex.total();
+            CHECK(fault(bench.complex) == "");
+        }
+        CHECK(bench.bad().size() < bad);
+        CHECK(characteristics(bench.complex) == std::vector<int>{1});
+        CHECK(volumes(bench.complex)[0] == doctest::Approx(1.0).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("Repair: good tets are left alone, and so is what was tried in vain until something changes near it") {
+    KickBench bench(cube(3, 0.3, 12), 1);
+    std::vector<int> good;
+    for (std::size_t t = 0; t < bench.complex.tet_slots(); ++t)
+        if (const int k = static_cast<int>(t); bench.complex.alive(k) && !bench.energy.bad(bench.complex.energy(k)))
+            good.push_back(k);
+    const State untouched(bench.complex);
+    bench.repair.pass(search::Repair::recipes[2], good);
+    CHECK(difference(untouched, State(bench.complex)) == "");
+
+    for (int pass = 0; pass < 40; ++pass)
+        bench.repair.pass_changed(0, bench.bad());
+    const State still(bench.complex);
+    const long evaluations = bench.energy.evaluations();
+    bench.repair.pass_changed(0, bench.bad());
+    CHECK(difference(still, State(bench.complex)) == "");
+    CHECK(bench.energy.evaluations() == evaluations); // not even tried
+    bench.repair.pass_changed(1, bench.bad());        // by this recipe they were not
+    CHECK(bench.energy.evaluations() > evaluations);
+}
+
+TEST_CASE("Repair: flips round vertices lower the energy, and random operators may raise it") {
+    KickBench bench(cube(4, 0.3, 13), 1);
+    const double before = bench.complex.total();
+    std::vector<int> vertices;
+    for (std::size_t v = 0; v < bench.complex.vertex_slots(); ++v)
+        vertices.push_back(static_cast<int>(v));
+    bench.operators.touched.clear();
+    bench.repair.flip_round(vertices);
+    bench.complex.resum();
+    CHECK(bench.complex.total() < before);
+    CHECK(fault(bench.complex) == "");
+    int done = 0, raised = 0;
+    for (int k = 0; k < 150; ++k) {
+        const std::vector<int> bad = bench.bad();
+        REQUIRE_FALSE(bad.empty());
+        const double was = bench.complex.total();
+        done += bench.repair.random_operator(bad[static_cast<std::size_t>(k) % bad.size()], 4.0);
+        raised += bench.complex.total() > was + 0.1;
+        REQUIRE(fault(bench.complex) == "");
+    }
+    CHECK(done > 20);
+    CHECK(raised > 5);
+}
+
+TEST_CASE("Kicks: a kick that is not kept leaves every bit, one that is leaves a mesh that is not worse") {
+    KickBench bench(ball(4, 0.2, 14), 3);
+    for (int pass = 0; pass < 3; ++pass)
+        bench.repair.pass(search::Repair::recipes[1], bench.bad());
+    bench.kicks.restart();
+    REQUIRE(bench.kicks.bad() > 3);
+    constexpr double equal = 0.02 + 1e-9; // what a kick may raise the energy by
+    int better = 0, undone = 0, even = 0;
+    for (int k = 0; k < 80 && bench.kicks.bad() > 0; ++k) {
+        const State before(bench.complex);
+        const int bad = bench.kicks.bad(), over = bench.complex.over_count();
+        const bool tried = bench.kicks.tried();
+        const bool won = bench.kicks.once();
+        const std::string moved = difference(before, State(bench.complex));
+        CHECK(bench.kicks.bad() == static_cast<int>(bench.bad().size()));
+        CHECK(bench.complex.over_count() <= over);
+        if (won) {
+            ++better;
+            CHECK(bench.complex.total() < before.total - 0.1);
+        } else if (moved.empty()) {
+            ++undone;
+            CHECK(bench.kicks.bad() == bad);
+        } else {
+            ++even;
+            if (!tried)
+                CHECK(bench.complex.total() <= before.total + equal);
+        }
+        if (k % 30 == 0)
+            REQUIRE(fault(bench.complex) == "");
+    }
+    CHECK(better > 2);
+    CHECK(undone > 10);
+    CHECK(fault(bench.complex) == "");
+    CHECK(pinch(bench.complex) == "");
+}
+
+} // namespace wct::tests
