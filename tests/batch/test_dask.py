@@ -49,7 +49,7 @@ def test_a_killed_worker_loses_nothing(cluster, tmp_path):
 
 
 def test_what_breaks_a_job_is_its_own_cause_not_the_workers_end(cluster, tmp_path):
-    wct.write(tmp_path / "good.vtu", jittered_cube(2))
+    wct.write(tmp_path / "good.vtu", jittered_cube(4))
     (tmp_path / "bad.vtu").write_text("what is this?")
     before = [nanny.process.pid for nanny in cluster.workers.values()]
     done = wct.run_batch(QUALITY, [tmp_path / "*.vtu"], tmp_path / "out", scheduler=cluster.scheduler_address)

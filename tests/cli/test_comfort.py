@@ -33,7 +33,7 @@ WORK = {
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    wct.write("cube.vtu", jittered_cube(2))
+    wct.write("cube.vtu", jittered_cube(4))
     Path("chain.json").write_text(json.dumps([{"type": "filters.get_quality"}]))
     return tmp_path
 

@@ -24,7 +24,7 @@ from wct_plugin.io import atomic_files
 from wct_plugin.io.workplaces import workplace
 
 WCT = Path(sys.executable).with_name("wct")
-CUBE = jittered_cube(2, 0)
+CUBE = jittered_cube(4, 0)
 FAST = ["--goal", "delaunay"]
 
 

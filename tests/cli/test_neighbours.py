@@ -39,7 +39,7 @@ def place(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
     monkeypatch.chdir(home)
     wct.write("ball.ply", BALL)
-    wct.write("cube.vtu", jittered_cube(2, 0))
+    wct.write("cube.vtu", jittered_cube(4, 0))
     return home
 
 

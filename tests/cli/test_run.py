@@ -14,7 +14,7 @@ import wct_plugin as wct
 from wct_plugin.cli import main
 from wct_plugin.pipeline import presets
 
-CUBE = jittered_cube(3, 0)
+CUBE = jittered_cube(4, 0)
 FLAT = single([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.1]])
 MOVE = {"type": "filters.apply_coord_well_centering", "goal": "3wc", "boundary": "fixed"}
 

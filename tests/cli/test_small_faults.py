@@ -16,7 +16,7 @@ TOLERANCE = "filters.meshing_well_centered.tolerance=1"
 @pytest.fixture(autouse=True)
 def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    wct.write("cube.vtu", jittered_cube(2))
+    wct.write("cube.vtu", jittered_cube(4))
     Path("folder").mkdir()
 
 

@@ -19,7 +19,7 @@ def run(*arguments: str, given: bytes = b"") -> subprocess.CompletedProcess[byte
 
 
 def test_optimize_from_stdin_to_stdout(tmp_path):
-    wct.write(tmp_path / "cube.vtu", jittered_cube(3))
+    wct.write(tmp_path / "cube.vtu", jittered_cube(4))
     done = run("optimize", "-", "-", "--input-format", "vtu", "--output-format", "msh.gz", "--goal", "3wc",
                given=(tmp_path / "cube.vtu").read_bytes())  # fmt: skip
     assert done.returncode == 0
@@ -65,6 +65,6 @@ def test_create_report_and_run_in_a_pipe(tmp_path):
 )  # fmt: skip
 def test_refusals(arguments, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    wct.write("cube.vtu", jittered_cube(2))
+    wct.write("cube.vtu", jittered_cube(4))
     assert refused(capsys, *arguments) == said
     assert [file.name for file in tmp_path.iterdir()] == ["cube.vtu"]

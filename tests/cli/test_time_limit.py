@@ -18,7 +18,7 @@ LARGE = ["--edge-length", "0.08"]  # of a ball of radius 1: some 120 thousand te
 def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     wct.write("ball.vtu", ball(4))
-    wct.write("cube.vtu", jittered_cube(3))
+    wct.write("cube.vtu", jittered_cube(4))
     return tmp_path
 
 

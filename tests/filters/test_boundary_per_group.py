@@ -54,7 +54,7 @@ def optimize(mesh, boundary, goal="3wc", **options):
 @pytest.fixture(scope="module")
 def acute():
     """A cube all of whose facets are acute."""
-    return with_faces(wct.apply_filter("meshing_well_centered", jittered_cube(3), force=True)[0])
+    return with_faces(wct.apply_filter("meshing_well_centered", jittered_cube(4), force=True)[0])
 
 
 @pytest.mark.parametrize("change", [lambda mesh: mesh, turned])

@@ -18,7 +18,7 @@ from wct_plugin.integrations import paraview_plugin
 from wct_plugin.objects.pyvista_meshes import to_pyvista
 from wct_plugin.pipeline.stage import filter_names, find_filter
 
-CUBE = jittered_cube(2)
+CUBE = jittered_cube(4)
 
 
 def result(algorithm):

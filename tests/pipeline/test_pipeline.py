@@ -16,7 +16,7 @@ from wct_plugin.pipeline.pipeline import Pipeline, mesher_within_tolerance
 from wct_plugin.pipeline.stage import FilterStage, Options, find_filter
 from wct_plugin.progress import Progress
 
-CUBE = jittered_cube(3, 0)
+CUBE = jittered_cube(4, 0)
 RAN: list[str] = []
 
 
