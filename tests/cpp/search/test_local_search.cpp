@@ -32,14 +32,6 @@ Searched remeshed(const Body &body, double tolerance) {
     return made;
 }
 
-/// The jittered body itself as a start.
-Start start_of(const Body &body) {
-    Start start;
-    start.body = body;
-    start.size.assign(body.points.size(), body.size);
-    return start;
-}
-
 } // namespace
 
 TEST_CASE("A cube comes out well-centered, whole and with its volume") {

@@ -61,7 +61,15 @@ Start resampled(const Body &body, double tolerance, unsigned threads, std::uint6
     return start_of(made, sampling::label_surface(made.cloud, made.complex, reference), body);
 }
 
-Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options) {
+Start start_of(const Body &body) {
+    Start start;
+    start.body = body;
+    start.size.assign(body.points.size(), body.size);
+    return start;
+}
+
+Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options,
+                  bool loose, const std::vector<double> &local) {
     Searched out;
     const Body &body = start.body;
     const auto needle = search::needle_cosines(body.points, body.tets, body.regions, body.creases);
@@ -76,8 +84,8 @@ Searched searched(const Start &start, const Body &on, double tolerance, const se
         out.complex.add_facet(search::sorted(body.facets[k][0], body.facets[k][1], body.facets[k][2]), body.patch[k]);
     for (std::size_t k = 0; k < body.creases.size(); ++k)
         out.complex.add_crease(body.creases[k], body.curve[k]);
-    const std::vector<std::uint8_t> loose(on.creases.empty() ? 0 : on.creases.size(), 0);
-    search::CreaseRelease search(out.complex, {on.points, on.facets, on.patch, on.creases, on.curve, loose, 0.0, {}},
+    const std::vector<std::uint8_t> may(on.creases.size(), loose); // as many curves at most
+    search::CreaseRelease search(out.complex, {on.points, on.facets, on.patch, on.creases, on.curve, may, 0.0, local},
                                  tolerance, 0.125 * size);
     out.outcome = search.run(options, [](const char *, double, int) { return true; });
     return out;

@@ -14,12 +14,17 @@ struct Start {
 };
 Start resampled(const Body &body, double tolerance, unsigned threads, std::uint64_t seed = 1);
 
-/// What the search makes of a start, on the surface of the body.
+/// What the search makes of a start, on the surface of the body; `loose`: whether creases may be given up; `local`: the
+/// tolerance at each of the body's points, where it is less.
 struct Searched {
     search::TetComplex complex;
     search::SearchOutcome outcome;
 };
-Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options);
+Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options,
+                  bool loose = false, const std::vector<double> &local = {});
+
+/// The body itself as a start.
+Start start_of(const Body &body);
 
 /// Tets of a complex that do not hold their circumcenter or, if `acute`, have a facet that does not, exactly.
 int not_well_centered(const search::TetComplex &complex, bool acute);
