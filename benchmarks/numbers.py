@@ -113,10 +113,10 @@ def _build() -> tuple[Path, list[Number]]:
 
 
 def _run(site: Path, mesh: Path, name: str, share: float) -> Outcome:
-    """A process of its own, without site: an editable install would give it the modules of the source tree."""
+    """A process of its own, without site and the folder it runs in: both have the modules of the source tree."""
     path = os.pathsep.join(map(str, (site, _ROOT, _ROOT / "tests", sysconfig.get_path("purelib"))))
     environment = {**os.environ, "PYTHONPATH": path, "WCT_NUMBER": name, "WCT_SHARE": str(share)}
-    command = [sys.executable, "-S", "-m", "benchmarks.numbers", "--one", mesh]
+    command = [sys.executable, "-S", "-P", "-m", "benchmarks.numbers", "--one", mesh]
     done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
     return Outcome(**json.loads(done.stdout))
 

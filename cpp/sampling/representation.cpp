@@ -100,11 +100,11 @@ bool promote(Cloud &cloud, const domain::Reference &reference, const RestrictedD
 
 Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map, const HeldSurface *held,
                 double shell, std::vector<Vec3> &direction, RestrictedDelaunay &complex, std::vector<int> &touched,
-                const Workers &workers) {
+                const Workers &workers, delaunay::MovingDelaunay *moving) {
     constexpr int passes = 4;
     const auto look = [&] {
         settle(cloud, reference, held, shell, direction, workers);
-        complex = restricted_delaunay(cloud, reference, map, workers, held);
+        complex = restricted_delaunay(cloud, reference, map, workers, held, moving);
         Flaws flaws = find_flaws(cloud, complex);
         const std::vector<int> piercing = piercing_points(cloud, reference, complex, workers);
         flaws.exposed.insert(flaws.exposed.end(), piercing.begin(), piercing.end());
@@ -115,7 +115,7 @@ Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::
         const bool promoted = promote(cloud, reference, complex, flaws);
         if (promoted) { // points may have gone, and with them the complex's numbers
             settle(cloud, reference, held, shell, direction, workers);
-            complex = restricted_delaunay(cloud, reference, map, workers, held);
+            complex = restricted_delaunay(cloud, reference, map, workers, held, moving);
         }
         const int on_creases = recover_creases(cloud, reference, complex, held, workers);
         const int on_planes = recover_planes(cloud, reference, complex, workers); // may take points away: comes last

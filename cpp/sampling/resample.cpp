@@ -41,6 +41,14 @@ bool has_curved_patches(const domain::Reference &reference) {
     return false;
 }
 
+/// Whether triangulations are mended rather than made anew. That pays where most points are inside, where a sweep moves
+/// few tets; round a surface in the open every second one is another.
+bool are_mostly_inside(const Cloud &cloud) {
+    constexpr double most = 0.6;
+    const auto inside = std::count(cloud.role.begin(), cloud.role.end(), Stratum::interior);
+    return static_cast<double>(inside) > most * static_cast<double>(cloud.count());
+}
+
 void refresh_sizes(Cloud &cloud, const domain::Sizing &sizing, const Workers &workers) {
     workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
 }
@@ -134,13 +142,18 @@ class Resampling : Task {
     /// what is left is at the creases, more of which are given up then.
     Cloud relaxed(Cloud cloud, bool trial);
     /// Fill holes and thin crowds of the surface.
-    void mend_surface(Cloud &cloud, RestrictedDelaunay &complex) const;
+    void mend_surface(Cloud &cloud, RestrictedDelaunay &complex);
     /// Whether the last rounds brought too little for another. `fewest`: bad tets and facets off after each.
     bool settled(const std::vector<double> &fewest, const Start &best) const;
     /// Seeds, relaxed and improved, or nothing where it is stopped before.
     std::optional<Start> make_start();
     /// Triangulate, and move the points downhill, for as long as that pays; the best start on the way.
     std::optional<Start> improve(Cloud cloud);
+    /// The triangulation to be mended; none where it is to be made anew, as where facets are held, which may be in
+    /// none.
+    delaunay::MovingDelaunay *kept(const Cloud &cloud) {
+        return !held && are_mostly_inside(cloud) ? &moving_ : nullptr;
+    }
     /// Whether all of the domain is in the complex.
     bool represents(const Cloud &cloud, const RestrictedDelaunay &complex, const Flaws &flaws) const;
     bool too_many_off(const Start &start) const;
@@ -157,6 +170,7 @@ class Resampling : Task {
     std::vector<double> ceiling_;    // sizes at first
     std::vector<int> euler_;         // characteristics of the regions
     std::vector<Vec3> direction_;    // see retract_to_shell
+    delaunay::MovingDelaunay moving_;
 };
 
 Cloud Resampling::seeds() {
@@ -164,12 +178,12 @@ Cloud Resampling::seeds() {
     return make_seeds(reference, map, sizing_, SeedForm{}, renewal, held, random_, workers);
 }
 
-void Resampling::mend_surface(Cloud &cloud, RestrictedDelaunay &complex) const {
+void Resampling::mend_surface(Cloud &cloud, RestrictedDelaunay &complex) {
     if (mend(cloud, reference, complex, options.longest, options.shortest) == 0)
         return;
     drop_twins(cloud);
     clear_sharp(cloud, sizing_);
-    complex = restricted_delaunay(cloud, reference, map, workers, held);
+    complex = restricted_delaunay(cloud, reference, map, workers, held, kept(cloud));
 }
 
 Cloud Resampling::relaxed(Cloud cloud, bool trial) {
@@ -179,7 +193,7 @@ Cloud Resampling::relaxed(Cloud cloud, bool trial) {
     for (int sweep = 0; left > 0 && !monitor.stopped(); ++sweep) {
         --left;
         drop_twins(cloud);
-        RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers, held);
+        RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers, held, kept(cloud));
         if (sweep >= options.mend_from && sweep % options.mend_every == 0 && (trial || left >= options.mend_every))
             mend_surface(cloud, complex);
         const double moved = relax(cloud, reference, complex, options.step, settling ? 0.0 : options.momentum, workers);
@@ -250,7 +264,8 @@ std::optional<Start> Resampling::improve(Cloud cloud) {
     std::vector<double> fewest; // bad tets and facets off, after each round since the domain was met
     for (int round = 0; round <= options.rounds && !monitor.stopped(); ++round) {
         std::vector<int> touched;
-        Flaws flaws = represent(cloud, reference, map, held, fit_.shell, direction_, complex, touched, workers);
+        Flaws flaws =
+            represent(cloud, reference, map, held, fit_.shell, direction_, complex, touched, workers, kept(cloud));
         const std::vector<Tie> ties = curved_ ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
         const std::vector<Vec3> unfitted = cloud.points;
         fit_heights(cloud, reference, ties, direction_, fit_, workers);

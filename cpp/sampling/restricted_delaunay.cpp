@@ -200,8 +200,8 @@ Facet RestrictedDelaunay::facet(int t, int i) const {
 }
 
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
-                                     const HeldSurface *held) {
-    RestrictedDelaunay complex{delaunay::delaunay(cloud.points), {}, {}};
+                                     const HeldSurface *held, delaunay::MovingDelaunay *moving) {
+    RestrictedDelaunay complex{moving ? moving->of(cloud.points) : delaunay::delaunay(cloud.points), {}, {}};
     if (held)
         held->recover(cloud, complex.all);
     const auto &tets = complex.all.tets;
@@ -231,8 +231,9 @@ RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap
 }
 
 RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
-                                       const domain::RegionMap &map, const Workers &workers, const HeldSurface *held) {
-    RestrictedDelaunay complex = labelled_delaunay(cloud, map, workers, held);
+                                       const domain::RegionMap &map, const Workers &workers, const HeldSurface *held,
+                                       delaunay::MovingDelaunay *moving) {
+    RestrictedDelaunay complex = labelled_delaunay(cloud, map, workers, held, moving);
     peel(cloud, reference, complex);
     if (held)
         held->label(cloud, complex);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/cells.h"
-#include "delaunay/delaunay.h"
+#include "delaunay/moving_delaunay.h"
 #include "domain/reference.h"
 #include "domain/region_map.h"
 #include "sampling/cloud.h"
@@ -39,13 +39,14 @@ struct RestrictedDelaunay {
 };
 
 /// Delaunay, each tet labelled by where its centroid lies; tets in a plane of the boundary, but for rounding, are out.
+/// `moving`: what was made of the cloud when its points were elsewhere, and is to be made now; else from scratch.
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
-                                     const HeldSurface *held = nullptr);
+                                     const HeldSurface *held = nullptr, delaunay::MovingDelaunay *moving = nullptr);
 /// The same, with slivers on curved patches taken off too, and the facets that lie on sheets found. Tets on `held`
 /// facets belong to what is on that side of them.
 RestrictedDelaunay restricted_delaunay(const Cloud &cloud, const domain::Reference &reference,
                                        const domain::RegionMap &map, const Workers &workers,
-                                       const HeldSurface *held = nullptr);
+                                       const HeldSurface *held = nullptr, delaunay::MovingDelaunay *moving = nullptr);
 
 /// What is wrong with the surfaces of a complex.
 struct Flaws {
