@@ -12,6 +12,9 @@ from wct_plugin.io.text_lines import columns_of_rows, number_rows, shown
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.types import Ints
 
+#: The first word of a line, blanks being what they are to who reads the numbers: all characters up to the space.
+_HEAD = re.compile(rb"[\x00- ]*([^\x00- ]*)")
+
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
     """Vertices and faces; normals, texture coordinates and materials are of no use to a mesher.
@@ -41,9 +44,9 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
 
 def _before(text: bytes) -> Ints:
     """How many vertices there are before each face."""
-    heads = [line.split(None, 1)[:1] for line in text.lower().split(b"\n")]
-    vertices = np.cumsum([head == [b"v"] for head in heads])
-    return vertices[[head == [b"f"] for head in heads]]
+    heads = [_HEAD.match(line.lower())[1] for line in text.split(b"\n")]  # type: ignore[index]  # it matches any line
+    vertices = np.cumsum([head == b"v" for head in heads])
+    return vertices[[head == b"f" for head in heads]]
 
 
 def _refuse_line(text: bytes) -> None:

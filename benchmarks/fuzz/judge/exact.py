@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,11 +49,16 @@ def not_positive(points: NDArray[np.float64], tets: NDArray[np.int64]) -> list[i
     return [tet for tet in doubtful.tolist() if volume6(as_fractions(corners[tet])) <= 0]
 
 
-def is_well_centered(corners: Sequence[Vector]) -> bool:
+#: Below this share of what it is compared with, a sign may be left open by who computes it in floats.
+TIE = Fraction(1, 10**7)
+
+
+def is_well_centered(corners: Sequence[Vector], tie: Fraction = Fraction(0)) -> bool:
     """Whether a tet contains its circumcenter in its inside: whether all four barycentric coordinates of it are above 0.
 
     The circumcenter c solves 2 (xi - x0) . (c - x0) = |xi - x0|^2. By Cramer's rule c - x0 = n / (2 D), where D is six
     times the volume; it lies inside where its coordinates with respect to the three edges are above 0 with a sum below 1.
+    With ``tie`` they must be above that much.
     """
     a, b, c = (minus(corner, corners[0]) for corner in corners[1:])
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
@@ -63,24 +67,26 @@ def is_well_centered(corners: Sequence[Vector]) -> bool:
     center: Vector = (n[0], n[1], n[2])
     double = 2 * dot(a, bc) ** 2  # 2 D^2: the coordinates are n . bc / (2 D^2) and so on, whatever the sign of D
     shares = [dot(center, normal) for normal in (bc, ca, ab)]
-    return all(share > 0 for share in shares) and sum(shares) < double
+    return all(share > tie * double for share in shares) and sum(shares) < (1 - tie) * double
 
 
-def has_acute_triangles(corners: Sequence[Vector]) -> bool:
-    """Whether no angle of the four triangles of a tet is 90 degrees or more."""
+def has_acute_triangles(corners: Sequence[Vector], tie: Fraction = Fraction(0)) -> bool:
+    """Whether no angle of the four triangles of a tet is 90 degrees or more; with ``tie``, none whose cosine is not above it."""
     for at in range(4):
         others = [minus(corners[k], corners[at]) for k in range(4) if k != at]
-        if any(dot(others[i], others[k]) <= 0 for i, k in ((0, 1), (0, 2), (1, 2))):
-            return False
+        for i, k in ((0, 1), (0, 2), (1, 2)):
+            product = dot(others[i], others[k])
+            if product <= 0 or product**2 <= tie**2 * dot(others[i], others[i]) * dot(others[k], others[k]):
+                return False
     return True
 
 
-def count_flags(points: NDArray[np.float64], tets: NDArray[np.int64]) -> dict[str, int]:
-    """How many tets are well-centered, have acute triangles only, and both."""
+def count_flags(points: NDArray[np.float64], tets: NDArray[np.int64], tie: Fraction = Fraction(0)) -> dict[str, int]:
+    """How many tets are well-centered, have acute triangles only, and both; with ``tie`` those of which it is clear."""
     found: dict[str, int] = {"3wc": 0, "2wc": 0, "cwc": 0}
     for rows in points[tets]:
-        corners: Any = as_fractions(rows)
-        center, triangles = is_well_centered(corners), has_acute_triangles(corners)
+        corners = as_fractions(rows)
+        center, triangles = is_well_centered(corners, tie), has_acute_triangles(corners, tie)
         found["3wc"] += center
         found["2wc"] += triangles
         found["cwc"] += center and triangles
