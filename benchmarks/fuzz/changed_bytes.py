@@ -54,7 +54,11 @@ def _overwrite(draw: random.Random, data: bytes) -> bytes:
 
 def _insert(draw: random.Random, data: bytes) -> bytes:
     at = _place(draw, data)
-    return data[:at] + draw.choice((bytes([draw.randrange(256)]), draw.randbytes(draw.randrange(1, 40)), b"\n", b" ")) + data[at:]
+    return (
+        data[:at]
+        + draw.choice((bytes([draw.randrange(256)]), draw.randbytes(draw.randrange(1, 40)), b"\n", b" "))
+        + data[at:]
+    )
 
 
 def _delete(draw: random.Random, data: bytes) -> bytes:

@@ -27,7 +27,9 @@ def _another_value(draw: random.Random, values: Any) -> Any:
         put = draw.choice((b"", b"\xff\xfe", b"x" * 300, b"a/b", b"\x1b[2J"))
     elif flat.dtype.kind in "iu":
         width = 8 * flat.dtype.itemsize
-        put = (put + (1 << width - 1)) % (1 << width) - (1 << width - 1) if flat.dtype.kind == "i" else put % (1 << width)
+        put = (
+            (put + (1 << width - 1)) % (1 << width) - (1 << width - 1) if flat.dtype.kind == "i" else put % (1 << width)
+        )
     flat[draw.randrange(flat.size)] = np.array(put).astype(flat.dtype)
     return flat.reshape(np.shape(values))
 

@@ -64,7 +64,10 @@ def _flags(options: dict[str, Any], declared: Any) -> list[str]:
 
 def _optimize(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case:
     name = draw.choice(("meshing_well_centered", "meshing_well_centered", "apply_coord_well_centering"))
-    source, target = f"in{draw.choice(('.vtu', '.vtu', '.msh', '.mesh'))}", f"out{draw.choice(('.vtu', '.vtu', '.msh', '.mesh'))}"
+    source, target = (
+        f"in{draw.choice(('.vtu', '.vtu', '.msh', '.mesh'))}",
+        f"out{draw.choice(('.vtu', '.vtu', '.msh', '.mesh'))}",
+    )
     mesh.write(folder / source)
     options = random_options.options_of(draw, name)
     if name == "meshing_well_centered" and draw.random() < 0.45:
@@ -80,7 +83,9 @@ def _optimize(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case
         stop = (draw.uniform(0, 1.5), draw.choice((2, 15)))
     again = not limited and stop is None
     outputs = (target, "report.json")
-    return Case("optimize", tuple(arguments), (source,), outputs, mesh, options | {"filter": name}, stop, limited, again)
+    return Case(
+        "optimize", tuple(arguments), (source,), outputs, mesh, options | {"filter": name}, stop, limited, again
+    )
 
 
 def _run(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case:
@@ -198,7 +203,9 @@ def _judge_optimized(case: Case, ran: Ran, folder: Path) -> list[str]:
     if goal in ("3wc", "cwc", "2wc"):
         before, after = (exact.count_flags(mesh.points, mesh.tets) for mesh in (old, new))
         if result.share(after, goal, len(new.tets)) < result.share(before, goal, len(old.tets)):
-            faults.append(f"fewer tets are {goal}: {after[goal]} of {len(new.tets)} after {before[goal]} of {len(old.tets)}")
+            faults.append(
+                f"fewer tets are {goal}: {after[goal]} of {len(new.tets)} after {before[goal]} of {len(old.tets)}"
+            )
         if ran.code == 0 and after[goal] < len(new.tets):
             faults.append(f"exit code 0, and {len(new.tets) - after[goal]} tets are not {goal}")
     if case.mesh.box and _planes_promised(case, old):

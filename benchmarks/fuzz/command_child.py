@@ -4,6 +4,7 @@ Before each case it prints the number, after it a line of JSON. The fork has lim
 becomes of it is its case's alone.
 """
 
+import ctypes
 import json
 import os
 import resource
@@ -42,6 +43,7 @@ def _become(case: Case, folder: Path, cores: int) -> None:
     code = 99
     try:
         os.setsid()
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: it ends with the child
         os.chdir(folder)
         os.sched_setaffinity(0, set(sorted(os.sched_getaffinity(0))[:cores]))
         printed = os.open(folder / "printed", os.O_WRONLY | os.O_CREAT)

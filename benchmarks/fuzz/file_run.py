@@ -26,7 +26,15 @@ def run(seeds: Path, seed: int, first: int, last: int, findings: Findings) -> No
 
 def _child(seeds: Path, places: list[Path], seed: int, first: int, last: int, findings: Findings) -> int:
     """Run cases in one child; gives the number of the next one to run."""
-    command = [sys.executable, "-W", "ignore", "-m", "benchmarks.fuzz.file_child", str(seeds), *map(str, (seed, first, last))]
+    command = [
+        sys.executable,
+        "-W",
+        "ignore",
+        "-m",
+        "benchmarks.fuzz.file_child",
+        str(seeds),
+        *map(str, (seed, first, last)),
+    ]
     env = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=env)
     number, told, silent = first - 1, _Lines(child), False
@@ -61,7 +69,9 @@ def _ended(code: int) -> str:
 def _note(places: list[Path], seed: int, found: dict[str, Any], findings: Findings) -> None:
     with tempfile.TemporaryDirectory(prefix="wct-fuzz-") as name:
         path = file_case.make(places, seed, found["number"], Path(name))
-        finding = Finding("file", seed, found["number"], found["file"] or path.name, tuple(found["faults"]), found["said"])
+        finding = Finding(
+            "file", seed, found["number"], found["file"] or path.name, tuple(found["faults"]), found["said"]
+        )
         findings.add(finding, Path(name))
 
 

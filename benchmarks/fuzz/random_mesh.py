@@ -89,7 +89,9 @@ def _cloud(draw: random.Random, rng: np.random.Generator) -> tuple[Floats, Ints]
 def _grid(draw: random.Random, rng: np.random.Generator) -> tuple[Floats, Ints]:
     """Boxes of six tets each, some left out (cavities, bodies that share an edge or a point), steps uneven or very thin."""
     shape = [draw.choice((1, 1, 2, 2, 3)) for _ in range(3)]
-    steps = [np.concatenate([[0.0], np.cumsum([draw.choice((1, 1, 1, 0.5, 2)) for _ in range(count)])]) for count in shape]
+    steps = [
+        np.concatenate([[0.0], np.cumsum([draw.choice((1, 1, 1, 0.5, 2)) for _ in range(count)])]) for count in shape
+    ]
     if draw.random() < 0.2:  # layers
         steps[2] = np.concatenate([[0.0], np.cumsum(10.0 ** -rng.uniform(0, 4, shape[2]))])
     points = np.array(list(itertools.product(*steps)))
@@ -159,7 +161,9 @@ def _tag(draw: random.Random, made: Made) -> None:
     if faces and draw.random() < 0.4:
         faces[0] = faces[0][[draw.random() < 0.6 for _ in faces[0]]]
     if draw.random() < 0.25:  # any facets at all
-        faces.append(np.array([[tet[k] for k in draw.choice(_FACES)] for tet in made.tets.tolist() if draw.random() < 0.2]))
+        faces.append(
+            np.array([[tet[k] for k in draw.choice(_FACES)] for tet in made.tets.tolist() if draw.random() < 0.2])
+        )
     faces = [one for one in faces if len(one)]
     if faces:
         every = np.concatenate(faces)

@@ -6,9 +6,32 @@ from typing import Any
 from wct_plugin.pipeline.stage import find_filter
 
 #: Of options that multiply the work, the most that a case may ask for; what a case may not be given at all.
-_MOST = {"effort": 2, "max_tets": 3000, "size": 4, "divisions": 3, "max_rounds": 20, "iterations": 50, "num_opt_iter": 5}
+_MOST = {
+    "effort": 2,
+    "max_tets": 3000,
+    "size": 4,
+    "divisions": 3,
+    "max_rounds": 20,
+    "iterations": 50,
+    "num_opt_iter": 5,
+}
 _NEVER = ("reference", "max_bytes", "timeout", "memory_limit", "filename", "script")
-_WORDS = ("", "x", "*", "1e400", "nan", "move", "keep", "fixed", "*=fixed", "12=fixed,*=move", "11=keep", "1=0.5,*=0.7", "é", "a=b=c")
+_WORDS = (
+    "",
+    "x",
+    "*",
+    "1e400",
+    "nan",
+    "move",
+    "keep",
+    "fixed",
+    "*=fixed",
+    "12=fixed,*=move",
+    "11=keep",
+    "1=0.5,*=0.7",
+    "é",
+    "a=b=c",
+)
 
 
 def _number(draw: random.Random, name: str, schema: dict[str, Any]) -> Any:
@@ -44,7 +67,10 @@ def _value(draw: random.Random, name: str, schema: dict[str, Any], definitions: 
         case "string":
             return draw.choice(_WORDS)
         case "array":
-            return [_value(draw, name, schema.get("items", {"type": "number"}), definitions) for _ in range(draw.randint(0, 3))]
+            return [
+                _value(draw, name, schema.get("items", {"type": "number"}), definitions)
+                for _ in range(draw.randint(0, 3))
+            ]
         case "object":
             return {draw.choice(("1", "*", "11", "x")): draw.uniform(0.1, 2) for _ in range(draw.randint(0, 2))}
     return None

@@ -41,7 +41,9 @@ def _ours(folder: Path) -> None:
     from wct_plugin.io.formats import FORMATS
     from wct_plugin.mesh import Cells
 
-    tets = np.where((np.linalg.det(POINTS[TETS[:, 1:]] - POINTS[TETS[:, :1]]) > 0)[:, None], TETS, TETS[:, [0, 1, 3, 2]])
+    tets = np.where(
+        (np.linalg.det(POINTS[TETS[:, 1:]] - POINTS[TETS[:, :1]]) > 0)[:, None], TETS, TETS[:, [0, 1, 3, 2]]
+    )
     mesh = wct.TetMesh(
         *(POINTS, tets, np.array([3, 4, 4])),
         facets=Cells(FACETS, np.array([7, 8, 7, 9]), {"flux": np.arange(4.0)}, {"inlet": np.array([0, 2])}),
@@ -105,11 +107,15 @@ def _vtk(folder: Path) -> None:
     import pyvista as pv
     import vtk
 
-    cells = np.hstack([np.column_stack([np.full(3, 4), TETS]).ravel(), np.column_stack([np.full(4, 3), FACETS]).ravel()])
+    cells = np.hstack(
+        [np.column_stack([np.full(3, 4), TETS]).ravel(), np.column_stack([np.full(4, 3), FACETS]).ravel()]
+    )
     grid = pv.UnstructuredGrid(cells, np.array([10] * 3 + [5] * 4, dtype=np.uint8), POINTS)
     grid.cell_data["material"] = np.array([1, 2, 2, 7, 7, 8, 9])
     grid.point_data["u"] = np.arange(18.0).reshape(6, 3)
-    surface = grid.extract_surface(algorithm="dataset_surface") if hasattr(pv, "DataSetSurface") else grid.extract_surface()
+    surface = (
+        grid.extract_surface(algorithm="dataset_surface") if hasattr(pv, "DataSetSurface") else grid.extract_surface()
+    )
 
     def xml(name: str, writer: Any, data: Any, mode: str, compressor: str, file: str) -> None:
         writer.SetInputData(data)
@@ -132,7 +138,9 @@ def _vtk(folder: Path) -> None:
                 writer.SetInputData(data)
                 writer.SetFileVersion(version)
                 (writer.SetFileTypeToBinary if binary else writer.SetFileTypeToASCII)()
-                writer.SetFileName(str(_place(folder, f"vtk-{name}-{version}-{'binary' if binary else 'text'}", "main.vtk")))
+                writer.SetFileName(
+                    str(_place(folder, f"vtk-{name}-{version}-{'binary' if binary else 'text'}", "main.vtk"))
+                )
                 writer.Write()
     for name, binary in (("binary", True), ("text", False)):
         surface.save(_place(folder, f"vtk-ply-{name}", "main.ply"), binary=binary)
@@ -160,7 +168,9 @@ def _meshio(folder: Path) -> None:
         ("tetgen", bare, "main.node", {}),
     ):
         with suppress(Exception):  # what the installed version does not write
-            with contextlib.chdir(_place(folder, f"meshio-{name}", file).parent):  # it names files beside by the whole path
+            with contextlib.chdir(
+                _place(folder, f"meshio-{name}", file).parent
+            ):  # it names files beside by the whole path
                 meshio.write(file, mesh, **settings)
 
 

@@ -223,5 +223,9 @@ WRITTEN: dict[str, dict[str, str]] = {
     "hand-vtk": {"main.vtk": VTK_ASCII},
     "hand-vtu": {"main.vtu": VTU_ASCII},
     "hand-xdmf": {"main.xdmf": XDMF_XML},
-    "hand-pvtu": {"main.pvtu": PVTU_HEAD, "part0.vtu": VTU_ASCII, "part1.vtu": VTU_ASCII.replace("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "5 0 0 6 0 0 5 1 0 5 0 1 6 1 1")},
+    "hand-pvtu": {
+        "main.pvtu": PVTU_HEAD,
+        "part0.vtu": VTU_ASCII,
+        "part1.vtu": VTU_ASCII.replace("0 0 0 1 0 0 0 1 0 0 0 1 1 1 1", "5 0 0 6 0 0 5 1 0 5 0 1 6 1 1"),
+    },
 }

@@ -17,7 +17,9 @@ def _indices(what: str, rows: Any, width: int, count: int) -> list[str]:
 
 
 def _lengths(what: str, arrays: Any, count: int) -> list[str]:
-    return [f"{what} {name!r} has {len(values)} rows for {count}" for name, values in arrays.items() if len(values) != count]
+    return [
+        f"{what} {name!r} has {len(values)} rows for {count}" for name, values in arrays.items() if len(values) != count
+    ]
 
 
 def _members(what: str, sets: Any, count: int) -> list[str]:

@@ -99,14 +99,22 @@ def faults_of_regions(old: Arrays, new: Arrays, *, volumes: bool) -> list[str]:
     if not volumes:
         return []
     changes = {tag: float(after[tag] / before[tag] - 1) for tag in before}
-    return [f"the volume of region {tag} changed by {change:+.2%}" for tag, change in changes.items() if abs(change) > CHANGE]
+    return [
+        f"the volume of region {tag} changed by {change:+.2%}"
+        for tag, change in changes.items()
+        if abs(change) > CHANGE
+    ]
 
 
 def _areas(mesh: Arrays) -> dict[int, float]:
     unit = np.ptp(mesh.points, axis=0).max()
     corners = mesh.points[mesh.facets] / unit
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = 0.5 * np.linalg.norm(normals, axis=1) * unit**2 if 1e-100 < unit < 1e100 else 0.5 * np.linalg.norm(normals, axis=1)
+    areas = (
+        0.5 * np.linalg.norm(normals, axis=1) * unit**2
+        if 1e-100 < unit < 1e100
+        else 0.5 * np.linalg.norm(normals, axis=1)
+    )
     return {int(tag): float(areas[mesh.facet_tags == tag].sum()) for tag in np.unique(mesh.facet_tags) if tag}
 
 

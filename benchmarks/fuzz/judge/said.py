@@ -3,7 +3,9 @@
 import re
 
 #: What no user may read: a traceback, a fault of ours, and Python's own words for what went wrong in a reader.
-_OURS = re.compile(r"Traceback \(most recent|internal error|malformed or truncated \(|object has no attribute|ran out of memory")
+_OURS = re.compile(
+    r"Traceback \(most recent|internal error|malformed or truncated \(|object has no attribute|ran out of memory"
+)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 #: Longer is no line that anyone reads.
 LONGEST = 1000
