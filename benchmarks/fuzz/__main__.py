@@ -1,4 +1,4 @@
-"""``make fuzz``: random cases for so many minutes, or one case once more: ``python -m benchmarks.fuzz --case file:1:1283``."""
+"""Random cases for so many minutes, or one case once more: ``python -m benchmarks.fuzz --case file:1:1283``."""
 
 import sys
 import tempfile

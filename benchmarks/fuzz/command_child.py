@@ -1,7 +1,7 @@
-"""The child that runs commands: it imports the package once and forks for each: ``python -m benchmarks.fuzz.command_child``.
+"""The child that runs commands, for each in a fork of itself: ``python -m benchmarks.fuzz.command_child``.
 
-Before each case it prints the number, after it a line of JSON. The fork has limits of memory and time of its own, so what
-becomes of it is its case's alone.
+Before each case it prints the number, after it a line of JSON where there is a fault. The fork has limits of memory and
+time of its own, so what becomes of it is its case's alone.
 """
 
 import ctypes
@@ -16,7 +16,7 @@ from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 
-from benchmarks.fuzz import command_case
+from benchmarks.fuzz import command_case, telling
 from benchmarks.fuzz.command_case import Case, Ran
 from benchmarks.fuzz.judge import result
 
@@ -50,6 +50,7 @@ def _become(case: Case, folder: Path, cores: int) -> None:
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(printed, 1)
         os.dup2(printed, 2)
+        sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")  # whatever stood for them here
         resource.setrlimit(resource.RLIMIT_AS, (SPACE, SPACE))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (2 * command_case.CPU, 2 * command_case.CPU + 1))
@@ -129,20 +130,21 @@ def main() -> None:
     """Run the cases ``first`` to ``last`` of a seed, until the seconds are over."""
     seed, first, last = map(int, sys.argv[1:4])
     seconds = float(sys.argv[4])
+    tell = telling.alone()
     _imports()
     counts: Counter[str] = Counter()
     start = time.monotonic()
     for number in range(first, last):
         if time.monotonic() - start > seconds:
             break
-        print(number, flush=True)  # noqa: T201
+        tell(str(number))
         with tempfile.TemporaryDirectory(prefix="wct-fuzz-") as name:
             case, ran, faults = whole(seed, number, Path(name))
             counts[f"{case.name} {case.options.get('filter', '')} exit {ran.code}".replace("  ", " ")] += 1
             if faults:
                 told = {"number": number, "name": " ".join(case.arguments), "faults": faults, "said": ran.text[-600:]}
-                print(json.dumps(told | {"kind": case.mesh.kind, "cpu": round(ran.cpu, 2)}), flush=True)  # noqa: T201
-    print(json.dumps({"counts": counts}), flush=True)  # noqa: T201
+                tell(json.dumps(told | {"kind": case.mesh.kind, "cpu": round(ran.cpu, 2)}))
+    tell(json.dumps({"counts": counts}))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Many cases of commands: a child runs them in forks; where the child itself dies, the case is a finding and the next is begun."""
+"""Many cases of commands: a child runs them in forks; where it dies itself, that is a finding too."""
 
 import json
 import os

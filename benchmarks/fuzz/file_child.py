@@ -1,11 +1,10 @@
 """The child that reads mutated files, many one after the other: ``python -m benchmarks.fuzz.file_child``.
 
-Before each case it prints the number, after it a line of JSON where there is a fault; so that of a child that dies the case
-is known. Which cases are its own is told by its arguments.
+Before each case it prints the number, after it a line of JSON where there is a fault; so that of a child that dies
+the case is known. Which cases are its own is told by its arguments.
 """
 
 import json
-import os
 import resource
 import sys
 import tempfile
@@ -13,7 +12,7 @@ from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 
-from benchmarks.fuzz import file_case, seed_files
+from benchmarks.fuzz import file_case, seed_files, telling
 
 #: Address space of the child.
 SPACE = 6 << 30
@@ -22,6 +21,7 @@ SPACE = 6 << 30
 def main() -> None:
     """Run the cases ``first`` to ``last`` of a seed."""
     seed, first, last = map(int, sys.argv[2:5])
+    tell = telling.alone()
     seeds = seed_files.made(Path(sys.argv[1]))
     import wct_plugin as wct
 
@@ -32,23 +32,21 @@ def main() -> None:
             continue
     resource.setrlimit(resource.RLIMIT_AS, (SPACE, SPACE))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    devnull = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(devnull, 2)  # what libraries in C print
     counts: Counter[str] = Counter()
     with tempfile.TemporaryDirectory(prefix="wct-fuzz-") as name:
         for number in range(first, last):
-            print(number, flush=True)  # noqa: T201
+            tell(str(number))
             place = Path(name) / str(number)
             place.mkdir()
             path = file_case.make(seeds, seed, number, place)
             outcome = file_case.read_and_judge(path)
             counts[f"{path.suffixes[0]} {outcome.what}"] += 1
             if outcome.faults:
-                print(json.dumps({"number": number, "file": path.name, **asdict(outcome)}), flush=True)  # noqa: T201
+                tell(json.dumps({"number": number, "file": path.name, **asdict(outcome)}))
             for left in place.iterdir():
                 left.unlink()
             place.rmdir()
-    print(json.dumps({"counts": counts}), flush=True)  # noqa: T201
+    tell(json.dumps({"counts": counts}))
 
 
 if __name__ == "__main__":

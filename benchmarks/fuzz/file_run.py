@@ -1,4 +1,4 @@
-"""Many cases of mutated files: a child after the other reads them, and one that dies or hangs is a finding of its case."""
+"""Many cases of mutated files, read by a child after the other; one that dies or hangs is a finding of its case."""
 
 import json
 import os

@@ -87,7 +87,7 @@ def _cloud(draw: random.Random, rng: np.random.Generator) -> tuple[Floats, Ints]
 
 
 def _grid(draw: random.Random, rng: np.random.Generator) -> tuple[Floats, Ints]:
-    """Boxes of six tets each, some left out (cavities, bodies that share an edge or a point), steps uneven or very thin."""
+    """Boxes of six tets each, some left out: cavities, bodies that share an edge or a point; steps uneven or thin."""
     shape = [draw.choice((1, 1, 2, 2, 3)) for _ in range(3)]
     steps = [
         np.concatenate([[0.0], np.cumsum([draw.choice((1, 1, 1, 0.5, 2)) for _ in range(count)])]) for count in shape

@@ -15,6 +15,7 @@ _MOST = {
     "iterations": 50,
     "num_opt_iter": 5,
 }
+_UNTOLD = ("edge_length",)
 _NEVER = ("reference", "max_bytes", "timeout", "memory_limit", "filename", "script")
 _WORDS = (
     "",
@@ -34,15 +35,18 @@ _WORDS = (
 )
 
 
+_BOUNDARY = ("move", "keep", "fixed", "*=fixed", "12=fixed,*=move", "11=keep,*=move")
+
+
 def _number(draw: random.Random, name: str, schema: dict[str, Any]) -> Any:
     whole = schema["type"] == "integer"
     low = schema.get("minimum", schema.get("exclusiveMinimum", 0))
     high = schema.get("maximum", schema.get("exclusiveMaximum", max(10, 10 * low)))
     high = min(high, _MOST.get(name, high))
     way = draw.random()
-    if way < 0.05:
+    if way < 0.015:
         return draw.choice((low - 1, high + 1, -1, 0, 1e300, 2**63, "x", None))
-    if way < 0.15:
+    if way < 0.15 and "exclusiveMinimum" not in schema:
         return draw.choice((low, high))
     if whole:
         return draw.randint(int(low), int(high))
@@ -56,7 +60,7 @@ def _value(draw: random.Random, name: str, schema: dict[str, Any], definitions: 
     if "anyOf" in schema:
         return _value(draw, name, draw.choice(schema["anyOf"]), definitions)
     if "enum" in schema:
-        return draw.choice(schema["enum"]) if draw.random() < 0.97 else "no such word"
+        return draw.choice(schema["enum"]) if draw.random() < 0.99 else "no such word"
     if "const" in schema:
         return schema["const"]
     match schema.get("type"):
@@ -64,6 +68,8 @@ def _value(draw: random.Random, name: str, schema: dict[str, Any], definitions: 
             return draw.random() < 0.5
         case "integer" | "number":
             return _number(draw, name, schema)
+        case "string" if name == "boundary" and draw.random() < 0.8:
+            return draw.choice(_BOUNDARY)
         case "string":
             return draw.choice(_WORDS)
         case "array":
@@ -85,6 +91,8 @@ def options_of(draw: random.Random, name: str) -> dict[str, Any]:
         if option in _NEVER or (not needed and draw.random() > 0.25):
             continue
         value = _value(draw, option, declared, schema.get("$defs", {}))
+        if option in _UNTOLD and draw.random() < 0.7:  # of these the declaration does not tell what is allowed
+            value = draw.uniform(0.1, 1)
         if value is not None or draw.random() < 0.1:
             given[option] = value
     if draw.random() < 0.01:

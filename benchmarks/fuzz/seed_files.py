@@ -167,11 +167,10 @@ def _meshio(folder: Path) -> None:
         ("gmsh40", bare, "main.msh", {"file_format": "gmsh40"}),
         ("tetgen", bare, "main.node", {}),
     ):
-        with suppress(Exception):  # what the installed version does not write
-            with contextlib.chdir(
-                _place(folder, f"meshio-{name}", file).parent
-            ):  # it names files beside by the whole path
-                meshio.write(file, mesh, **settings)
+        place = _place(folder, f"meshio-{name}", file).parent
+        # It names files beside by the whole path; and the installed version may not write it.
+        with suppress(Exception), contextlib.chdir(place):
+            meshio.write(file, mesh, **settings)
 
 
 def _rest(folder: Path) -> None:

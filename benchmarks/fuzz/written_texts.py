@@ -32,7 +32,8 @@ STEEL, S1
 """
 
 ABAQUS_INCLUDE = {
-    "main.inp": "*HEADING\nblock\n*NODE, NSET=N\n*INCLUDE, INPUT=nodes.inp\n*ELEMENT, TYPE=C3D4, ELSET=E\n1,1,2,3,4\n2,2,5,\n3,4\n",
+    "main.inp": "*HEADING\nblock\n*NODE, NSET=N\n*INCLUDE, INPUT=nodes.inp\n"
+    "*ELEMENT, TYPE=C3D4, ELSET=E\n1,1,2,3,4\n2,2,5,\n3,4\n",
     "nodes.inp": f"*NODE\n{_NODES}",
 }
 
@@ -109,10 +110,17 @@ MARKER_ELEMS= 1
 5 1 2 3
 """
 
-OBJ = "# by hand\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvt 0 0\ng a b\nf 1 3 2\nf 1/1/1 2/1/1 4//1\ng c\nf -3 -2 -1\nf 1 4 3\n"
-OFF = "COFF # by hand\n4 4 6\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 0 0 0 1\n0 0 1 0 0 0 1\n3 0 2 1\n3 0 1 3 1 0 0\n3 1 2 3\n3 0 3 2\n"
+OBJ = (
+    "# by hand\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvt 0 0\n"
+    "g a b\nf 1 3 2\nf 1/1/1 2/1/1 4//1\ng c\nf -3 -2 -1\nf 1 4 3\n"
+)
+OFF = (
+    "COFF # by hand\n4 4 6\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 0 0 0 1\n0 0 1 0 0 0 1\n"
+    "3 0 2 1\n3 0 1 3 1 0 0\n3 1 2 3\n3 0 3 2\n"
+)
 PLY = (
-    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+    "ply\nformat ascii 1.0\ncomment by hand\n"
+    "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
     "property uchar red\nelement face 4\nproperty list uchar uint vertex_index\nproperty float quality\n"
     "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
     "0 0 0 1\n1 0 0 2\n0 1 0 3\n0 0 1 4\n3 0 2 1 .5\n3 0 1 3 .5\n3 1 2 3 .5\n3 0 3 2 .5\n0 1\n"
@@ -134,7 +142,8 @@ TETGEN = {
 }
 
 PYDEC = {
-    "main.xml": '<?xml version="1.0" ?>\n<mesh type="simplicial_mesh">\n\t<elements>\n\t\t<file name="main.elements"/>\n'
+    "main.xml": '<?xml version="1.0" ?>\n<mesh type="simplicial_mesh">\n\t<elements>\n'
+    '\t\t<file name="main.elements"/>\n'
     '\t</elements>\n\t<vertices>\n\t\t<file name="main.vertices"/>\n\t</vertices>\n</mesh>\n',
     "main.elements": "4\ndims=2,4\ndtype=int32\nformat=basic\nversion=1.0\n0 1 2 3\n1 4 2 3\n",
     "main.vertices": "4\ndims=5,3\ndtype=float64\nformat=basic\nversion=1.0\n0.0 0.0 0.0\n1.0 0.0 0.0\n0.0 1.0 0.0\n"

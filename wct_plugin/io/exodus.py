@@ -96,7 +96,7 @@ def _ids(found: Variables, what: str, count: int) -> list[int]:
 
 
 def _list_of(found: Variables, name: str) -> NDArray[Any]:
-    """The numbers of a variable, or none where there is no such. Raises :class:`InputError` for those of another shape."""
+    """The numbers of a variable, or none where there is no such. Raises :class:`InputError` for what is no list."""
     values = found.get(name, np.empty(0))
     if values.ndim != 1 or values.dtype.kind not in "iuf":
         raise InputError(f"has {values.dtype} of shape {values.shape} as variable {name!r}; expected a list of numbers")

@@ -54,11 +54,11 @@ TIE = Fraction(1, 10**7)
 
 
 def is_well_centered(corners: Sequence[Vector], tie: Fraction = Fraction(0)) -> bool:
-    """Whether a tet contains its circumcenter in its inside: whether all four barycentric coordinates of it are above 0.
+    """Whether a tet contains its circumcenter: whether all four barycentric coordinates of it are above 0.
 
     The circumcenter c solves 2 (xi - x0) . (c - x0) = |xi - x0|^2. By Cramer's rule c - x0 = n / (2 D), where D is six
-    times the volume; it lies inside where its coordinates with respect to the three edges are above 0 with a sum below 1.
-    With ``tie`` they must be above that much.
+    times the volume; it lies inside where its coordinates with respect to the three edges are above 0 and their sum is
+    below 1. With ``tie`` they must be so by that much.
     """
     a, b, c = (minus(corner, corners[0]) for corner in corners[1:])
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
@@ -71,7 +71,7 @@ def is_well_centered(corners: Sequence[Vector], tie: Fraction = Fraction(0)) -> 
 
 
 def has_acute_triangles(corners: Sequence[Vector], tie: Fraction = Fraction(0)) -> bool:
-    """Whether no angle of the four triangles of a tet is 90 degrees or more; with ``tie``, none whose cosine is not above it."""
+    """Whether the cosines of all angles of the four triangles of a tet are above 0, or above ``tie``."""
     for at in range(4):
         others = [minus(corners[k], corners[at]) for k in range(4) if k != at]
         for i, k in ((0, 1), (0, 2), (1, 2)):

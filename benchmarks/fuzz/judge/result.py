@@ -52,7 +52,7 @@ def load(path: Path) -> Arrays:
 
 
 def faults_of_mesh(new: Arrays) -> list[str]:
-    """Whether it is a mesh: finite, all tets positive, at most two at a facet and on its two sides, none within another."""
+    """Whether it is a mesh: finite, all tets positive, two at a facet on its two sides, no vertex within a tet."""
     if not len(new.tets):
         return ["the output has no tets"]
     if not np.isfinite(new.points).all():
