@@ -10,6 +10,7 @@ import numpy as np
 
 from benchmarks.fuzz import random_mesh, random_options
 from benchmarks.fuzz.judge import exact, result, said
+from wct_plugin.pipeline.stage import find_filter
 
 #: Filters that may stand in a random chain; those that start other programs are rare, and drawn apart.
 _CHAINED = (
@@ -79,7 +80,7 @@ def _optimize(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case
         name == "meshing_well_centered"
     ):  # walls that are thin for their body take tets by the thousand, and time for each
         options.setdefault("max_tets", 3000)
-    declared = random_options.find_filter(name).declaration.model_json_schema()["properties"]
+    declared = find_filter(name).declaration.model_json_schema()["properties"]
     arguments = ["optimize", source, target, "--filter", name, "--json", "report.json", *_flags(options, declared)]
     limited, stop = draw.random() < 0.6, None
     if limited:

@@ -46,7 +46,8 @@ class Made:
 
 def _positive(points: Floats, tets: Ints) -> Ints:
     sides = points[tets[:, 1:]] - points[tets[:, :1]]
-    return np.where((np.linalg.det(sides) > 0)[:, None], tets, tets[:, [0, 1, 3, 2]])
+    turned: Ints = np.where((np.linalg.det(sides) > 0)[:, None], tets, tets[:, [0, 1, 3, 2]])
+    return turned
 
 
 def _used(points: Floats, tets: Ints) -> tuple[Floats, Ints]:
@@ -58,7 +59,8 @@ def boundary_of(tets: Ints) -> Ints:
     """The facets of one tet only, oriented outwards for positive tets."""
     faces = np.concatenate([tets[:, face] for face in _FACES])
     _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[counts == 1])]
+    outer: Ints = faces[np.sort(first[counts == 1])]
+    return outer
 
 
 def _cloud(draw: random.Random, rng: np.random.Generator) -> tuple[Floats, Ints]:
@@ -147,7 +149,8 @@ def _regions(draw: random.Random, points: Floats, tets: Ints) -> Ints:
     match draw.randrange(5):
         case 0:
             normal = np.array([draw.gauss(0, 1) for _ in range(3)])
-            return 1 + (points[tets].mean(axis=1) @ normal > points.mean(axis=0) @ normal).astype(np.int64)
+            behind: Ints = (points[tets].mean(axis=1) @ normal > points.mean(axis=0) @ normal).astype(np.int64)
+            return 1 + behind
         case 1:
             return np.array([draw.choice((1, 2, 3)) for _ in tets])
         case 2:

@@ -142,7 +142,9 @@ def _in_space(points: NDArray[Any]) -> NDArray[Any]:
 def _without_stray(
     points: NDArray[Any], faces: _Kind, point_data: dict[str, NDArray[Any]], notes: list[str]
 ) -> tuple[NDArray[Any], dict[str, NDArray[Any]]]:
-    """Leave out points that are no numbers where no triangle has them."""
+    """Leave out points that are no numbers where no triangle has them; indices out of range are the mesh's to name."""
+    if faces.cells.min() < 0 or faces.cells.max() >= len(points):
+        return points, point_data
     keep = np.isfinite(points).all(axis=1) | np.isin(np.arange(len(points)), faces.cells)
     if keep.all():
         return points, point_data

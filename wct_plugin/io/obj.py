@@ -12,8 +12,8 @@ from wct_plugin.io.text_lines import columns_of_rows, number_rows, shown
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.types import Ints
 
-#: The first word of a line, blanks being what they are to who reads the numbers: all characters up to the space.
-_HEAD = re.compile(rb"[\x00- ]*([^\x00- ]*)")
+#: Blanks are what they are to who reads the numbers: all characters up to the space.
+_BLANKS = bytes(byte if byte > 32 or byte in b"\r\n" else 32 for byte in range(256))
 
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
@@ -21,7 +21,7 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
 
     Raises :class:`InputError`, without the file's name, for a malformed line.
     """
-    text = path.read_bytes()
+    text = path.read_bytes().translate(_BLANKS)
     if b"#" in text:
         text = re.sub(rb"#[^\r\n]*", b"", text)
     text = text.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ") if b"\\" in text else text
@@ -44,9 +44,9 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
 
 def _before(text: bytes) -> Ints:
     """How many vertices there are before each face."""
-    heads = [_HEAD.match(line.lower())[1] for line in text.split(b"\n")]  # type: ignore[index]  # it matches any line
-    vertices = np.cumsum([head == b"v" for head in heads])
-    return vertices[[head == b"f" for head in heads]]
+    heads = [line.split(None, 1)[:1] for line in text.lower().split(b"\n")]
+    vertices = np.cumsum([head == [b"v"] for head in heads])
+    return vertices[[head == [b"f"] for head in heads]]
 
 
 def _refuse_line(text: bytes) -> None:

@@ -133,7 +133,8 @@ def faults_of_groups(old: Arrays, new: Arrays) -> list[str]:
 def _outside(mesh: Arrays) -> Ints:
     faces = mesh.tets[:, _FACES].reshape(-1, 3)
     _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[counts == 1]]
+    outer: Ints = faces[first[counts == 1]]
+    return outer
 
 
 def faults_of_planes(old: Arrays, new: Arrays) -> list[str]:
