@@ -138,13 +138,30 @@ def _create(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case:
     return Case("create", ("run", "chain.json", "--time-limit", "5"), ("chain.json",), ("out.vtu",), mesh)
 
 
-_COMMANDS = {"optimize": 55, "run": 20, "report": 12, "dual": 6, "create": 7}
+def _object(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case:
+    """Another library's mesh goes through a filter, in Python, by :mod:`benchmarks.fuzz.object_program`."""
+    mesh.write(folder / "in.vtu")
+    library = draw.choice(("meshio", "pyvista", "arrays"))
+    name = draw.choice(("apply_coord_well_centering", "compute_scalar_by_well_centeredness", "meshing_well_centered"))
+    more = {"goal": "delaunay"} if name == "meshing_well_centered" else {}
+    arguments = (library, name, json.dumps(random_options.options_of(draw, name) | more))
+    return Case("object", arguments, ("in.vtu",), ("out.vtu",), mesh)
+
+
+_COMMANDS = {"optimize": 53, "run": 19, "report": 11, "dual": 5, "create": 5, "object": 7}
 
 
 def make(seed: int, number: int, folder: Path) -> Case:
     """The case of a seed and number; its inputs are written into the empty ``folder``."""
     draw = random.Random(f"command {seed} {number}")
-    makers = {"optimize": _optimize, "run": _run, "report": _report, "dual": _dual, "create": _create}
+    makers = {
+        "optimize": _optimize,
+        "run": _run,
+        "report": _report,
+        "dual": _dual,
+        "create": _create,
+        "object": _object,
+    }
     mesh = random_mesh.make(draw)
     return makers[draw.choices(list(_COMMANDS), list(_COMMANDS.values()))[0]](draw, mesh, folder)
 
@@ -221,6 +238,8 @@ def _judge_optimized(case: Case, ran: Ran, folder: Path) -> list[str]:
             faults.append(f"exit code 0, and {len(new.tets) - after[goal]} tets are not {goal}")
     if case.mesh.box and _planes_promised(case, old):
         faults += result.faults_of_planes(old, new)
+        if ran.code == 0 and case.options.get("periodic") is True:
+            faults += result.faults_of_pairs(old, new)
     return faults
 
 

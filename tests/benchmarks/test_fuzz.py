@@ -428,3 +428,36 @@ def test_written_meshes_are_read_as_they_are(tmp_path: Path) -> None:
         found, ours = result.load(tmp_path / f"a{suffix}"), read(tmp_path / f"a{suffix}")
         assert result.faults_of_same(found, TWO, suffix) == []
         assert np.array_equal(ours.regions, TWO.regions)
+
+
+def test_pairs_of_ends() -> None:
+    points, tets = _cube()
+    given = Arrays(points, tets, np.ones(len(tets), dtype=np.int64))
+    assert result.faults_of_pairs(given, given) == []
+    moved = points.copy()
+    moved[moved[:, 0] == 1] += [0, 0, 1e-16]
+    faults = result.faults_of_pairs(given, replace(given, points=moved))
+    assert faults[0] == "the ends of axis 0 matched, and have 4 and 4 vertices that do not"
+
+
+def test_another_mesh_when_read_and_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import wct_plugin as wct
+
+    case = _command(tmp_path)
+    command_child.run(case, tmp_path)
+    assert command_child._round_trip(case, tmp_path) == []
+    monkeypatch.setattr(wct, "read", lambda path: replace(read(path), regions=None))
+    assert command_child._round_trip(case, tmp_path) == ["regions differ when it is read and written"]
+
+
+@pytest.mark.parametrize("library", ["meshio", "pyvista", "arrays"])
+def test_other_libraries_meshes(library: str, tmp_path: Path) -> None:
+    case = _command(tmp_path)
+    case = replace(case, name="object", arguments=(library, "apply_coord_well_centering", "{}"), outputs=("out.vtu",))
+    ran = command_child.run(case, tmp_path)
+    assert ran.code == 0, ran.text
+    assert command_case.judge(case, ran, tmp_path) == []
+    case = replace(case, arguments=(library, "apply_coord_well_centering", '{"margin": -1}'))
+    (tmp_path / "out.vtu").unlink()
+    ran = command_child.run(case, tmp_path)
+    assert (ran.code, command_case.judge(case, ran, tmp_path)) == (2, [])

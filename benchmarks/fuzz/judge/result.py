@@ -156,6 +156,25 @@ def share(flags: dict[str, int], goal: str, tets: int) -> Fraction:
     return Fraction(flags[goal], tets)
 
 
+def _sides(mesh: Arrays, axis: int) -> list[Any]:
+    """The vertices of the boundary at both ends of an axis, without their place along it, in order."""
+    rows = mesh.points[np.unique(_outside(mesh))]
+    low, high = rows[:, axis].min(), rows[:, axis].max()
+    return [sorted(np.delete(rows[rows[:, axis] == end], axis, axis=1).tolist()) for end in (low, high)]
+
+
+def faults_of_pairs(old: Arrays, new: Arrays) -> list[str]:
+    """Whether ends of an axis that had the same vertices but for a shift along it still have."""
+    faults = []
+    for axis in range(3):
+        (low, high), (left, right) = _sides(old, axis), _sides(new, axis)
+        if low == high and len(low) > 2 and left != right:
+            faults.append(
+                f"the ends of axis {axis} matched, and have {len(left)} and {len(right)} vertices that do not"
+            )
+    return faults
+
+
 def faults_of_report(report: dict[str, Any], mesh: Arrays) -> list[str]:
     """Whether what a report says of a mesh is so: how many tets, in which regions, of which flags.
 
