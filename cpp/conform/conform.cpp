@@ -74,8 +74,11 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
         }
         best.rounds = round + 1;
         monitor.set_bad(static_cast<std::int64_t>(best.faults.outer + best.faults.edges + best.faults.ties));
-        monitor.work(now.complex().all.tets.size(), static_cast<double>(round) / (options.effort * options.rounds));
-        if (intact && faults.all() == 0 && faults.slivers == 0)
+        // A round takes far longer than its tets' evaluations: who may stop it is asked after each.
+        monitor.report(static_cast<double>(round) / (options.effort * options.rounds));
+        const bool overgrown =
+            since > 0 && now.complex().all.tets.size() > options.effort * options.most(mesh.tets.size());
+        if (overgrown || (intact && faults.all() == 0 && faults.slivers == 0))
             break;
     }
     best.stopped = monitor.stopped();

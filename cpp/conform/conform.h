@@ -25,7 +25,9 @@ struct ConformOptions {
     int effort = 1; // multiplies the rounds
 
     static constexpr int rounds = 80;
-    static constexpr int patience = 20;     // rounds without progress
+    static constexpr int patience = 20; // rounds without progress
+    /// Tets with which a round without progress is the last, by how many came: near ties can multiply them in each.
+    static constexpr std::size_t most(std::size_t tets) { return 10'000 + 50 * tets; }
     static constexpr double held = 0.6;     // distance of facets from the reference, in tolerances
     static constexpr double least = 1e-6;   // dual length, in circumradii
     static constexpr double tied = 1e-10;   // the same below zero, where it may be none

@@ -141,7 +141,7 @@ refill::Refilled between(const refill::PinnedFacets &facets, const domain::Input
             since = 0;
         }
         monitor.set_bad(static_cast<std::int64_t>(fewest));
-        monitor.work(complex.all.tets.size(), static_cast<double>(round) / (options.effort * options.rounds));
+        monitor.report(static_cast<double>(round) / (options.effort * options.rounds)); // a round takes long
         if (faults == 0)
             break;
     }

@@ -11,8 +11,12 @@ namespace wct::sampling {
 
 namespace {
 
+/// The cell's number along an axis. What is too far off for a number is all in the last cell there: circles through
+/// points that are almost on a line have their centers anywhere, and a conversion out of range could be any number.
 std::int64_t cell_of(double x, double cell) {
-    return static_cast<std::int64_t>(std::floor(x / cell));
+    constexpr double kFar = 0x1p62;
+    const double number = std::floor(x / cell);
+    return static_cast<std::int64_t>(number < -kFar ? -kFar : number < kFar ? number : kFar);
 }
 
 std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {

@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from wct_plugin.io.raw_mesh import RawMesh
-from wct_plugin.io.text_lines import decoded
+from wct_plugin.io.text_lines import decoded, whole_number
 
 #: What the names of sets begin with that hold the elements of a type.
 TYPE_SET = "abaqus:"
@@ -44,7 +44,8 @@ def put_tags(raw: RawMesh, text: bytes) -> None:
     """Tell the mesh which of its sets stand for tags, and what these are called."""
     for tag, dimension, what, name in _TAG.findall(text):
         called = decoded(name)
-        raw.field_data[called] = np.array([int(tag), int(dimension)])
+        number = whole_number(tag, f"as tag of {called!r}")
+        raw.field_data[called] = np.array([number, int(dimension)])
         raw.tag_sets[called] = what == b"elset and set"
 
 

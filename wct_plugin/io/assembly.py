@@ -18,6 +18,7 @@ from wct_plugin.io.raw_mesh import RawMesh
 from wct_plugin.io.tet_meshes import Parts, assemble
 from wct_plugin.io.text_lines import whole_number
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh, cell_kinds
+from wct_plugin.mesh.mesh import check_range
 
 #: The number of gmsh's geometric entity per cell; a file has it whether it was asked for or not.
 ENTITIES = "gmsh:geometrical"
@@ -146,6 +147,7 @@ def _without_stray(
     keep = np.isfinite(points).all(axis=1) | np.isin(np.arange(len(points)), faces.cells)
     if keep.all():
         return points, point_data
+    check_range(faces.cells, len(points))
     count = int((~keep).sum())
     notes.append(f"{count} point{'s' * (count > 1)} of no triangle, with coordinates that are no numbers, dropped")
     faces.cells = (np.cumsum(keep) - 1)[faces.cells]

@@ -50,6 +50,8 @@ def folder_of(file: Path) -> Path:
 
 def companion(file: Path, name: str) -> Path:
     """The file of this name as ``file`` means it. Raises :class:`InputError` where it lies elsewhere or is none."""
+    if "\0" in name:
+        raise InputError(f"names the file {name!r}, which is no name of a file")
     folder = folder_of(file)
     path = Path(os.path.normpath(folder / name.replace("\\", "/")))
     if not path.is_relative_to(folder):

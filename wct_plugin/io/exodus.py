@@ -87,10 +87,20 @@ def _points(found: Variables) -> NDArray[Any]:
 
 def _ids(found: Variables, what: str, count: int) -> list[int]:
     """The numbers of blocks or sets; Exodus counts from 1 where it has none."""
-    given = found.get(f"{what}_prop1", np.empty(0)).tolist()
+    given = _list_of(found, f"{what}_prop1").tolist()
     if not given and count > len(found):  # numbers in names need not be those of variables that are there
         raise InputError(f"has {what}_{count} among {len(found)} variables; they must be numbered one after the other")
+    if given and count > len(given):
+        raise InputError(f"has {what}_{count}, but {what}_prop1 numbers {len(given)} of them")
     return [int(number) for number in given] or list(range(1, count + 1))
+
+
+def _list_of(found: Variables, name: str) -> NDArray[Any]:
+    """The numbers of a variable, or none where there is no such. Raises :class:`InputError` for what is no list."""
+    values = found.get(name, np.empty(0))
+    if values.ndim != 1 or values.dtype.kind not in "iuf":
+        raise InputError(f"has {values.dtype} of shape {values.shape} as variable {name!r}; expected a list of numbers")
+    return values
 
 
 def _names(found: Variables, what: str, ids: list[int]) -> list[str]:
@@ -114,6 +124,8 @@ def _blocks(raw: RawMesh, found: Variables, tags: list[NDArray[Any]]) -> None:
     names = _names(found, "eb", ids)
     for number in numbers:
         cells = found[f"connect{number}"]
+        if cells.ndim != 2:
+            raise InputError(f"has variable 'connect{number}' of shape {cells.shape}; expected rows of points")
         given = found.types.get(f"connect{number}", "")
         key = given.upper()[:3], cells.shape[-1]
         if key not in _KINDS:
@@ -152,7 +164,7 @@ def _side_sets(raw: RawMesh, found: Variables) -> None:
     owned = list(raw.cells)
     gathered: dict[str, list[tuple[int, NDArray[np.int64]]]] = {}
     for number in numbers:
-        cells, places = (found.get(f"{what}_ss{number}", np.empty(0)) for what in ("elem", "side"))
+        cells, places = (_list_of(found, f"{what}_ss{number}") for what in ("elem", "side"))
         if cells.shape != places.shape:
             raise InputError(f"side set {ids[number - 1]} has {cells.size} cells but {places.size} sides")
         sides = _sides(owned, cells - 1, places - 1, ids[number - 1])
@@ -207,4 +219,4 @@ def _node_sets(raw: RawMesh, found: Variables) -> None:
     names = _names(found, "ns", ids)
     for number in numbers:
         name = names[number - 1] or f"node set {ids[number - 1]}"
-        raw.point_sets[name] = found[f"node_ns{number}"].astype(np.int64) - 1
+        raw.point_sets[name] = _list_of(found, f"node_ns{number}").astype(np.int64) - 1

@@ -23,6 +23,8 @@ class Included:
         Raises :class:`InputError` for a file that is not there, is no file, or lies elsewhere, and for one that
         includes itself.
         """
+        if "\0" in name:
+            raise InputError(f"includes {name!r}, which is no name of a file")
         relative = name.replace("\\", "/")
         beside = [folder / relative for folder in (*[one.parent for one in within[-1:]], self._root)]
         wanted = next((path for path in beside if path.exists()), beside[0]).resolve()

@@ -11,6 +11,7 @@ from wct_plugin.io import hdf5, med_families, med_fields, read_limit
 from wct_plugin.io.med_families import TAGS, Family
 from wct_plugin.io.node_orders import in_med
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
+from wct_plugin.mesh import cell_kinds
 
 #: Meshio's names of MED's kinds of cells.
 KINDS = {
@@ -70,10 +71,15 @@ def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
         if name == _POLYHEDRA or name in _POLYGONS:
             blocks = _open_cells(name, group)
         elif name in KINDS:
-            blocks = [(KINDS[name], _columns(group, "NOD") - 1, slice(None))]
+            nodes = _columns(group, "NOD") - 1
+            if nodes.shape[1] != cell_kinds.nodes(KINDS[name]):
+                raise InputError(f"has {nodes.size} nodes of {len(nodes)} cells of kind {name!r}")
+            blocks = [(KINDS[name], nodes, slice(None))]
         else:
             raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(KINDS)}")
         family = hdf5.array(group, "FAM") if "FAM" in group else None
+        if family is not None and family.ndim != 1:
+            raise InputError(f"has families of shape {family.shape} for cells of kind {name!r}; expected one of each")
         for kind, cells, rows in blocks:
             raw.cells.append(RawBlock(kind, in_med(kind, cells.astype(np.int64))))
             tags.append(None if family is None else family[rows])

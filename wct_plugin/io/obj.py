@@ -12,13 +12,16 @@ from wct_plugin.io.text_lines import columns_of_rows, number_rows, shown
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.types import Ints
 
+#: Blanks are what they are to who reads the numbers: all characters up to the space.
+_BLANKS = bytes(byte if byte > 32 or byte in b"\r\n" else 32 for byte in range(256))
+
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
     """Vertices and faces; normals, texture coordinates and materials are of no use to a mesher.
 
     Raises :class:`InputError`, without the file's name, for a malformed line.
     """
-    text = path.read_bytes()
+    text = path.read_bytes().translate(_BLANKS)
     if b"#" in text:
         text = re.sub(rb"#[^\r\n]*", b"", text)
     text = text.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ") if b"\\" in text else text

@@ -152,6 +152,9 @@ def _header(file: IO[bytes]) -> tuple[str, list[_Element]]:
             raise InputError(
                 f"element {element.name!r} has {len(element.properties)} properties, count {element.count}"
             )
+        names = [prop.name for prop in element.properties]
+        if twice := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f"element {element.name!r} has the property {twice!r} more than once")
     return layout, elements
 
 

@@ -12,6 +12,9 @@ from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 
 Corners = NDArray[np.int64]
 
+#: Corners of a face that a message shows all of.
+_SHOWN = 12
+
 
 def as_triangles(raw: RawMesh) -> RawMesh:
     """A surface with its quads and polygons split, which a note says; any other mesh as it is.
@@ -67,8 +70,9 @@ def split(points: NDArray[np.floating], faces: Corners) -> Corners:
         raise InputError(f"face 0 has {count} corners; allowed are 3 and more")
     if len(faces) and (faces.min() < 0 or faces.max() >= len(points)):
         row = int(np.flatnonzero(((faces < 0) | (faces >= len(points))).any(axis=1))[0])
-        indices = tuple(faces[row].tolist())
-        raise InputError(f"face {row} is {indices}; indices must lie in 0..{len(points) - 1}")
+        wrong = next(index for index in faces[row].tolist() if not 0 <= index < len(points))
+        shown = f"is {tuple(faces[row].tolist())}" if count <= _SHOWN else f"of {count} corners has {wrong}"
+        raise InputError(f"face {row} {shown}; indices must lie in 0..{len(points) - 1}")
     if count == 3:
         return faces[:, None]
     places = np.asarray(points, dtype=np.float64)[faces]

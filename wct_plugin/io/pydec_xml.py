@@ -1,7 +1,7 @@
 """PyDEC's meshes: an ``.xml`` file that names a file of vertices and one of elements."""
 
-import re
 import xml.etree.ElementTree as ET
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError
 from wct_plugin.io.companions import companion
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
-from wct_plugin.io.text_lines import numbers_of_type, shown
+from wct_plugin.io.text_lines import numbers_of_type, shown, whole_number
 
 _KINDS = {2: "line", 3: "triangle", 4: "tetra"}
+_DTYPES = ("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float32", "float64")
 #: What the elements are called: of old, and by newer versions.
 _ELEMENTS = ("elements", "indices")
 
@@ -41,9 +42,10 @@ def _array(path: Path, element: ET.Element | None, key: str) -> NDArray[Any]:
         raise InputError(f"{name} begins with {shown(first)}; expected the number of its keys")
     *lines, body = rest.split(b"\n", int(first)) if int(first) < 100 else [rest]
     head = dict(line.decode("ascii", "replace").strip().split("=", 1) for line in lines if b"=" in line)
-    shape = tuple(int(size) for size in head.get("dims", "").split(",") if size.strip())
+    sizes = head.get("dims", "").split(",")
+    shape = tuple(whole_number(size.strip(), f"in {name} a size in dims") for size in sizes if size.strip())
     kind = head.get("dtype", "")
-    if head.get("format") not in ("basic", "ascii", "binary") or not re.fullmatch(r"(u?int|float)\d+", kind):
+    if head.get("format") not in ("basic", "ascii", "binary") or kind not in _DTYPES:
         raise InputError(
             f"{name} has format={head.get('format')} and dtype={kind}; allowed are basic, ascii and binary"
         )
@@ -52,6 +54,6 @@ def _array(path: Path, element: ET.Element | None, key: str) -> NDArray[Any]:
         values = np.frombuffer(body, dtype.newbyteorder("<")).astype(dtype)
     else:
         values = numbers_of_type(body, dtype)
-    if not shape or int(np.prod(shape)) != len(values):
+    if not shape or min(shape) < 0 or prod(shape) != len(values):
         raise InputError(f"{name} has {len(values)} numbers but announces {head.get('dims')}")
     return values.reshape(shape)

@@ -143,7 +143,9 @@ def whole(values: NDArray[Any]) -> Ints | None:
         values = values[:, 0]
     if values.ndim != 1 or values.dtype.kind not in "iufb":
         return None
-    if values.dtype.kind == "f" and not (np.abs(values) < 2.0**53).all():  # also where it is no number
+    if (
+        values.dtype.kind == "f" and not (np.abs(values.astype(np.float64)) < 2.0**53).all()
+    ):  # also where it is no number
         return None
     if values.dtype.kind == "f" and (values != np.rint(values)).any():
         return None

@@ -13,7 +13,7 @@ from wct_plugin.types import Bools, Floats, Ints
 
 Number = TypeVar("Number", np.int64, np.float64)
 
-_WHOLE = re.compile(r"\s*[+-]?[0-9]{1,30}\s*")
+_WHOLE = re.compile(r"\s*[+-]?[0-9]{1,30}\s*", re.ASCII)  # int() takes no other blanks
 _BLANK = 32  #: bytes up to this one, which is that of the space, are blank
 
 

@@ -27,7 +27,7 @@ class Stars:
         return found
 
     def links(self, vertex: int) -> Ints:
-        """(k, p - 1) the other vertices of each of its cells."""
+        """(k, p - 1) the other vertices of each of its cells, of which there may be none."""
         cells = self._cells[self.at(vertex)]
-        others: Ints = cells[cells != vertex].reshape(len(cells), -1)
+        others: Ints = cells[cells != vertex].reshape(len(cells), self._cells.shape[1] - 1)
         return others

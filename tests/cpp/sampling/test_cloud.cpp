@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -28,6 +30,20 @@ TEST_CASE("PointGrid: crowded where a point is closer than the mean of the radii
         }
     }
     CHECK(crowded > 50);
+}
+
+TEST_CASE("PointGrid: a place farther off than cells have numbers is not crowded, and is looked up at once") {
+    sampling::PointGrid grid;
+    for (int k = 0; k < 100; ++k)
+        grid.add({0.01 * k, 0, 0}, 0.02);
+    for (const double far : {1e15, 1e19, 1e30, 1e300, std::numeric_limits<double>::infinity()})
+        for (const double sign : {-1.0, 1.0}) {
+            CHECK_FALSE(grid.crowded({sign * far, 0, 0}, 0.02));
+            CHECK_FALSE(grid.crowded({0, sign * far, sign * far}, 0.02));
+            grid.add({sign * far, far, 0}, 0.02);
+        }
+    CHECK_FALSE(grid.crowded({std::numeric_limits<double>::quiet_NaN(), 0, 0}, 0.02));
+    CHECK(grid.crowded({0.5, 0, 0}, 0.02));
 }
 
 TEST_CASE("drop_twins: of points in one place the least free stays, given ones always") {
