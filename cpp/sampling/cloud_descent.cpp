@@ -55,8 +55,10 @@ class Objective {
                 if (curved[edge[0]] && curved[edge[1]])
                     edges_.push_back(edge);
         for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-            if (complex.region[t] >= 0)
-                tets_.push_back(complex.all.tets[t]);
+            if (const Tet &tet = complex.all.tets[t];
+                complex.region[t] >= 0 &&
+                std::any_of(tet.begin(), tet.end(), [&](int v) { return cloud.held[v] != Hold::all; }))
+                tets_.push_back(tet);
         // Next to nothing is left of a tet as flat as this: it is for the next triangulation to deal with, and must not
         // make the energy infinite before anything has moved.
         constexpr double kHopeless = 2e-2;
@@ -276,6 +278,42 @@ Tally count_bad(const Cloud &cloud, const RestrictedDelaunay &complex, bool cosi
     }
     flush();
     return tally;
+}
+
+std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &complex, energy::EnergyForm form,
+                                 int rings) {
+    form.weight_quality = 0.0;
+    std::vector<Tet> tets;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+        if (complex.region[t] >= 0)
+            tets.push_back(complex.all.tets[t]);
+    std::vector<char> moves(cloud.count());
+    for (std::size_t i = 0; i < moves.size(); ++i)
+        moves[i] = cloud.role[i] != Stratum::interior;
+    energy::TetLanes lanes;
+    energy::ShapeLanes shape;
+    energy::SlopeLanes slopes;
+    energy::Lanes energy;
+    const energy::TermLanes terms = energy::flatness_terms(0.0);
+    for (std::size_t first = 0; first < tets.size(); first += energy::kLanes) {
+        for (std::size_t lane = 0; lane < energy::kLanes; ++lane)
+            for (int k = 0; k < 4; ++k)
+                lanes.set(static_cast<int>(lane), k, cloud.points[tets[std::min(first + lane, tets.size() - 1)][k]]);
+        energy::measure(lanes, form.cosines(), shape);
+        energy::penalize(shape, form, terms, energy, slopes);
+        for (std::size_t k = first; k < std::min(first + energy::kLanes, tets.size()); ++k)
+            if (!(energy[static_cast<int>(k - first)] <= 0.0))
+                for (const int v : tets[k])
+                    moves[v] = 1;
+    }
+    for (int ring = 0; ring < rings; ++ring) {
+        const std::vector<char> before = moves;
+        for (const Tet &tet : tets)
+            if (std::any_of(tet.begin(), tet.end(), [&](int v) { return before[v]; }))
+                for (const int v : tet)
+                    moves[v] = 1;
+    }
+    return moves;
 }
 
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,

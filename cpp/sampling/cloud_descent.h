@@ -23,9 +23,15 @@ struct EdgeForm {
     static constexpr double limit = 1.2; // in target sizes
 };
 
+/// The points of the surface and of tets short of the energy's margins, and those so many rings of tets round them: the
+/// others are where they should be, but for the small part that makes tets regular.
+std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &complex, energy::EnergyForm form,
+                                 int rings);
+
 /// Lower the energy of all tets at once by L-BFGS, keeping the connectivity. Patch points move in the plane across
 /// `direction`, crease points along it, corners not at all; `curved` marks the points of curved patches and creases; no
-/// step is longer than `reach` times a point's size. Returns the number of tet evaluations.
+/// step is longer than `reach` times a point's size. Tets whose points are all held are not looked at. Returns the
+/// number of tet evaluations.
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
                     const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach);

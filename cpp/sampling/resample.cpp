@@ -245,8 +245,16 @@ void Resampling::move_downhill(Cloud &cloud, const RestrictedDelaunay &complex, 
     energy::EnergyForm energy = options.energy;
     if (!options.cosines)
         energy.weight2 = 0.0;
+    const std::vector<Hold> held_before = cloud.held;
+    if (kept(cloud)) {
+        const std::vector<char> moves = points_to_move(cloud, complex, energy, options.rings);
+        for (std::size_t i = 0; i < cloud.count(); ++i)
+            if (!moves[i])
+                cloud.held[i] = Hold::all;
+    }
     descend(cloud, complex, direction_, energy, EdgeForm{}, curved_points(cloud, reference, sizing_.sharp()), fit_,
             ties, options.iterations, options.reach);
+    cloud.held = held_before;
 }
 
 bool Resampling::settled(const std::vector<double> &fewest, const Start &best) const {
