@@ -61,9 +61,17 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
 
 void Search::adopt(const SearchForm &form) {
     energy_.adopt(form);
-    for (std::size_t t = 0; t < complex_.tet_slots(); ++t)
-        if (complex_.alive(static_cast<int>(t)))
-            complex_.set_energy(static_cast<int>(t), energy_.of_present(complex_, complex_.tet(static_cast<int>(t))));
+    std::vector<int> slots;
+    std::vector<Tet> tets;
+    for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
+        if (const int t = static_cast<int>(k); complex_.alive(t)) {
+            slots.push_back(t);
+            tets.push_back(complex_.tet(t));
+        }
+    std::vector<double> energies(tets.size());
+    energy_.of_present(complex_, tets, energies.data());
+    for (std::size_t k = 0; k < slots.size(); ++k)
+        complex_.set_energy(slots[k], energies[k]);
     complex_.resum();
 }
 

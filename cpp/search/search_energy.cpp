@@ -145,8 +145,22 @@ double SearchEnergy::smooth(const energy::TetLanes &tets, const SearchTerms &ter
 }
 
 void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, double *energies) const {
+    of(complex, tets, energy::kDegenerate, energies);
+}
+
+void SearchEnergy::of_present(const TetComplex &complex, std::span<const Tet> tets, double *energies) const {
+    of(complex, tets, -kInfinity, energies);
+}
+
+double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const {
+    double energy = 0.0;
+    of_present(complex, {&tet, 1}, &energy);
+    return energy;
+}
+
+void SearchEnergy::of(const TetComplex &complex, std::span<const Tet> tets, double flattest, double *energies) const {
     energy::TetLanes lanes;
-    SearchTerms terms{energy::flatness_terms(energy::kDegenerate), {}};
+    SearchTerms terms{energy::flatness_terms(flattest), {}};
     energy::Lanes energy;
     for (std::size_t begin = 0; begin < tets.size(); begin += energy::kLanes) {
         const int used = static_cast<int>(std::min<std::size_t>(energy::kLanes, tets.size() - begin));
@@ -180,18 +194,6 @@ bool SearchEnergy::below(const TetComplex &complex, std::span<const Tet> tets, d
             return false;
     }
     return true;
-}
-
-double SearchEnergy::of_present(const TetComplex &complex, const Tet &tet) const {
-    energy::TetLanes lanes;
-    energy::Lanes energy;
-    SearchTerms terms{energy::flatness_terms(-kInfinity), {}};
-    for (int lane = 0; lane < energy::kLanes; ++lane) {
-        load_tet(complex, tet, lanes, lane);
-        terms.needle[lane] = needle(complex, tet);
-    }
-    evaluate(lanes, terms, energy, nullptr, true);
-    return energy[0] + over(complex, tet);
 }
 
 energy::TermLanes SearchEnergy::present_bounds(const energy::TetLanes &tets) {

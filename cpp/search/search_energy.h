@@ -60,7 +60,8 @@ class SearchEnergy {
     static bool positive(const TetComplex &complex, const Tet &tet);
     /// Whether the energies' sum is below `limit`; if not, they are not all written.
     bool below(const TetComplex &complex, std::span<const Tet> tets, double limit, double *energies) const;
-    /// The same for a tet that exists already: finite however flat it is, as long as it is not inverted.
+    /// The same for tets that exist already: finite however flat they are, as long as they are not inverted.
+    void of_present(const TetComplex &complex, std::span<const Tet> tets, double *energies) const;
     double of_present(const TetComplex &complex, const Tet &tet) const;
 
     /// Bounds for tets that exist already: one that came in flatter than allowed must not hold its vertices for ever,
@@ -87,6 +88,7 @@ class SearchEnergy {
     long evaluations() const { return evaluations_; }
 
   private:
+    void of(const TetComplex &complex, std::span<const Tet> tets, double flattest, double *energies) const;
     /// False, and no gradient, where the first `used` energies come to more than `limit`.
     bool evaluate(const energy::TetLanes &tets, const SearchTerms &terms, energy::Lanes &energy,
                   energy::Lanes *gradient, bool count, int used = energy::kLanes,

@@ -4,9 +4,10 @@
 #include "search/needle_cosines.h"
 
 #include <algorithm>
+#include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
-#include <unordered_map>
 #include <unordered_set>
 
 namespace wct::search {
@@ -25,37 +26,79 @@ Facet opposite(const Tet &tet, int i) {
     return sorted(tet[(i + 1) % 4], tet[(i + 2) % 4], tet[(i + 3) % 4]);
 }
 
+/// The facets of all tets, in rows by their least corner: hashing so many takes far longer than sorting short rows.
+class FacetUses {
+  public:
+    FacetUses(std::span<const Tet> tets, std::size_t points) : first_(points + 1, 0) {
+        for (const Tet &tet : tets)
+            for (int i = 0; i < 4; ++i)
+                ++first_[opposite(tet, i)[0] + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        others_.resize(4 * tets.size());
+        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+        for (const Tet &tet : tets)
+            for (int i = 0; i < 4; ++i) {
+                const Facet key = opposite(tet, i);
+                others_[next[key[0]]++] = {key[1], key[2]};
+            }
+        for (std::size_t v = 0; v < points; ++v)
+            std::sort(row(v).begin(), row(v).end());
+    }
+
+    /// How many tets have the facet, corners ascending.
+    std::size_t count(const Facet &key) const {
+        const auto here = std::span(others_).subspan(first_[key[0]], first_[key[0] + 1] - first_[key[0]]);
+        const auto [begin, end] = std::equal_range(here.begin(), here.end(), Edge{key[1], key[2]});
+        return static_cast<std::size_t>(end - begin);
+    }
+
+  private:
+    std::span<Edge> row(std::size_t v) { return std::span(others_).subspan(first_[v], first_[v + 1] - first_[v]); }
+
+    std::vector<std::size_t> first_; // by point, of its row
+    std::vector<Edge> others_;
+};
+
+/// Edges of tets between ends of creases.
+std::unordered_set<Edge, KeyHash> edges_between_creases(const StratifiedMesh &mesh) {
+    std::vector<char> ends(mesh.points.size(), 0);
+    for (const Edge &crease : mesh.creases)
+        ends[crease[0]] = ends[crease[1]] = 1;
+    std::unordered_set<Edge, KeyHash> edges;
+    for (const Tet &tet : mesh.tets)
+        for (const auto &edge : kEdges)
+            if (ends[tet[edge[0]]] && ends[tet[edge[1]]])
+                edges.insert(sorted(tet[edge[0]], tet[edge[1]]));
+    return edges;
+}
+
 } // namespace
 
 void expect_conforming(const StratifiedMesh &mesh) {
     const auto &points = mesh.points;
-    std::unordered_map<Facet, int, KeyHash> uses;
-    std::unordered_set<Edge, KeyHash> edges;
+    const FacetUses uses(mesh.tets, points.size());
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         const Tet &tet = mesh.tets[t];
         if (geometry::orient3d(points[tet[0]], points[tet[1]], points[tet[2]], points[tet[3]]) <= 0)
             throw std::invalid_argument("tet " + std::to_string(t) + " is inverted or flat");
-        for (int i = 0; i < 4; ++i) {
-            const Facet key = opposite(tet, i);
-            if (++uses[key] > 2)
+        for (int i = 0; i < 4; ++i)
+            if (const Facet key = opposite(tet, i); uses.count(key) > 2)
                 throw std::invalid_argument("tets: facet " + text(key) + " belongs to more than two");
-            for (int k = 0; k < i; ++k)
-                edges.insert(sorted(tet[i], tet[k]));
-        }
     }
     std::unordered_set<Facet, KeyHash> given;
     for (const Facet &facet : mesh.facets) {
         const Facet key = sorted(facet[0], facet[1], facet[2]);
-        if (!uses.contains(key))
+        if (uses.count(key) == 0)
             throw std::invalid_argument("facets: " + text(facet) + " is no facet of a tet");
         given.insert(key);
     }
     for (const Tet &tet : mesh.tets)
         for (int i = 0; i < 4; ++i) {
             const Facet key = opposite(tet, i);
-            if (uses[key] == 1 && !given.contains(key))
+            if (uses.count(key) == 1 && !given.contains(key))
                 throw std::invalid_argument("facets: boundary facet " + text(key) + " is missing");
         }
+    const auto edges = edges_between_creases(mesh);
     for (const Edge &crease : mesh.creases)
         if (!edges.contains(sorted(crease[0], crease[1])))
             throw std::invalid_argument("creases: " + text(crease) + " is no edge of a tet");
