@@ -24,6 +24,12 @@ ROOT = Path(__file__).parents[2]
 WORK = ROOT / "build" / "mutants"
 SOURCE = WORK / "source"
 BUILD = WORK / "build"
+#: The same with what else CI runs the tests under: what the first leaves is looked at by this one.
+SANITIZED = WORK / "sanitized"
+FLAGS = {
+    BUILD: "-O1 -DWCT_BASELINE",
+    SANITIZED: "-O1 -DWCT_BASELINE -fsanitize=address,undefined -fno-sanitize-recover=all",
+}
 
 #: What is changed: a pattern in the code, and what may take its place.
 SWAPS = (
@@ -94,23 +100,30 @@ def changes_of(path: Path) -> Iterator[Change]:
                 yield Change(path, number, start, end, "false")
 
 
-def command(*words: str | Path, timeout: float | None = None) -> tuple[int, str]:
+def command(*words: str | Path, timeout: float | None = None, limited: bool = True) -> tuple[int, str]:
     """Exit status, -1 where it took too long, and what was said."""
+    memory = _MEMORY if limited else resource.RLIM_INFINITY  # the sanitizers' shadows take more room than there is
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
     try:
-        done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=timeout, errors="replace")
+        done = subprocess.run(
+            words, capture_output=True, text=True, check=False, timeout=timeout, errors="replace", preexec_fn=limit
+        )
     except subprocess.TimeoutExpired:
         return -1, ""
     return done.returncode, done.stdout + done.stderr
 
 
-def build() -> bool:
-    return command(Path(cmake.CMAKE_BIN_DIR) / "cmake", "--build", BUILD, "--target", "wct_tests")[0] == 0
+def build(folder: Path = BUILD) -> bool:
+    return command(Path(cmake.CMAKE_BIN_DIR) / "cmake", "--build", folder, "--target", "wct_tests")[0] == 0
 
 
-def verdict(timeout: float, folder: str = "") -> str:
-    """The test that notices, of those in a folder, empty where none does."""
-    words = (BUILD / "tests" / "cpp" / "wct_tests", "--abort-after=1", f"--source-file=*/tests/cpp/{folder}*")
-    code, said = command(*words, timeout=timeout)
+def verdict(timeout: float, tests: str = "", folder: Path = BUILD) -> str:
+    """The test that notices, of those in a folder of tests, empty where none does."""
+    words = (folder / "tests" / "cpp" / "wct_tests", "--abort-after=1", f"--source-file=*/tests/cpp/{tests}*")
+    code, said = command(*words, timeout=timeout, limited=folder != SANITIZED)
     if code == 0:
         return ""
     if code == -1:
@@ -126,14 +139,17 @@ def prepare() -> float:
         shutil.copytree(ROOT / folder, SOURCE / folder)
     shutil.copy(ROOT / "CMakeLists.txt", SOURCE)
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    options = ["-DWCT_TESTS=ON", "-DWCT_CHECKS=ON", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1 -DWCT_BASELINE"]
+    options = ["-DWCT_TESTS=ON", "-DWCT_CHECKS=ON", "-DCMAKE_BUILD_TYPE=None"]
     maker = f"-DCMAKE_MAKE_PROGRAM={Path(ninja.BIN_DIR) / 'ninja'}"
     tool = Path(cmake.CMAKE_BIN_DIR) / "cmake"
-    code, said = command(tool, "-S", SOURCE, "-B", BUILD, "-G", "Ninja", maker, *options, *launcher)
-    if code or not build():
-        sys.exit(f"the core does not build\n{said[-4000:]}")
+    for folder, flags in FLAGS.items():
+        words = ("-S", SOURCE, "-B", folder, "-G", "Ninja", maker, *options, f"-DCMAKE_CXX_FLAGS={flags}", *launcher)
+        code, said = command(tool, *words)
+        if code or not build(folder):
+            sys.exit(f"the core does not build\n{said[-4000:]}")
     began = time.monotonic()
     noticed = verdict(timeout=3600.0)
+    noticed = noticed or verdict(3600.0, "search", SANITIZED)
     if noticed:
         sys.exit(f"without any change this test fails: {noticed}")
     return time.monotonic() - began
@@ -144,7 +160,6 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=200, help="changes that compile")
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args()
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     seconds = prepare()
     files = [*sorted((SOURCE / "cpp" / "search").glob("*.cpp")), SOURCE / "cpp" / "geometry" / "predicates.cpp"]
     drawn = [change for path in files if path.name != "checks.cpp" for change in changes_of(path)]
@@ -161,7 +176,10 @@ def main() -> None:
             if not build():
                 continue
             longest = 60.0 + 6.0 * seconds
-            noticed = verdict(longest, change.path.parent.name) or verdict(longest)  # those beside it notice most
+            beside = change.path.parent.name  # tests that notice most
+            noticed = verdict(longest, beside) or verdict(longest)
+            if not noticed and build(SANITIZED):
+                noticed = verdict(4.0 * longest, beside, SANITIZED)
         finally:
             change.path.write_text(original, encoding="utf-8")
         killed += bool(noticed)
