@@ -16,11 +16,11 @@ namespace {
 /// The pinned points and a lattice between them.
 sampling::Cloud seeds(const PinnedFacets &facets, const domain::Reference &reference, const domain::InputMesh &mesh,
                       const domain::RegionMap &map, const domain::Sizing &sizing, const sampling::SeedForm &form,
-                      Random &random) {
+                      Random &random, Monitor &monitor) {
     sampling::Cloud cloud;
     for (const int v : facets.points())
         cloud.add(mesh.points[v], Stratum::corner, v, sizing.at(mesh.points[v]));
-    sampling::seed_inside(cloud, reference, map, sizing, form, {}, random);
+    sampling::seed_inside(cloud, reference, map, sizing, form, {}, random, monitor);
     std::vector<char> open(cloud.count(), 1);
     for (std::size_t i = facets.points().size(); i < cloud.count(); ++i) {
         const domain::Place place = map.find(cloud.points[i]);
@@ -62,7 +62,8 @@ bool seed(Filling &fill, std::span<const double> wanted) {
     sizes.coarsen = options.size;
     for (int k = 0; k < tries; ++k) {
         fill.sizing.emplace(fill.reference, fill.mesh, fill.map, sizes, wanted, fill.workers);
-        fill.cloud = seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random);
+        fill.cloud =
+            seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random, fill.monitor);
         fill.keeper.clear(fill.cloud);
         if (!fill.keeper.triangulate(fill.cloud, fill.complex))
             return false;

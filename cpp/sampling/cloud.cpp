@@ -1,5 +1,7 @@
 #include "sampling/cloud.h"
 
+#include "base/random.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -17,12 +19,6 @@ std::int64_t cell_of(double x, double cell) {
     constexpr double kFar = 0x1p62;
     const double number = std::floor(x / cell);
     return static_cast<std::int64_t>(number < -kFar ? -kFar : number < kFar ? number : kFar);
-}
-
-std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
-    constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1; // wraps far away: only costs a few idle comparisons
-    return (static_cast<std::uint64_t>(i) & kMask) << 42 | (static_cast<std::uint64_t>(j) & kMask) << 21 |
-           (static_cast<std::uint64_t>(k) & kMask);
 }
 
 } // namespace
@@ -192,6 +188,13 @@ void retract_to_shell(Cloud &cloud, const domain::Reference &reference, double s
     });
 }
 
+std::size_t PointGrid::IndexHash::operator()(const Index &index) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t along : index)
+        hash = mix(hash ^ static_cast<std::uint64_t>(along));
+    return hash;
+}
+
 void PointGrid::add(const Vec3 &p, double radius) {
     const double cell = std::exp2(std::ceil(std::log2(radius)));
     auto at = levels_.begin();
@@ -199,33 +202,68 @@ void PointGrid::add(const Vec3 &p, double radius) {
         ++at;
     if (at == levels_.end() || at->cell != cell)
         at = levels_.insert(at, Level{cell, {}, {}});
-    at->cells[key(cell_of(p.x, cell), cell_of(p.y, cell), cell_of(p.z, cell))].push_back({p, radius});
-    at->items.push_back({p, radius});
+    Index index{cell_of(p.x, cell), cell_of(p.y, cell), cell_of(p.z, cell)};
+    const auto [found, fresh] = at->cells.try_emplace(index);
+    found->second.push_back({p, radius});
+    bool unknown = fresh;
+    for (auto &blocks : at->blocks) {
+        if (!unknown)
+            break;
+        const Index above{index[0] >> kShift, index[1] >> kShift, index[2] >> kShift};
+        const auto [block, made] = blocks.try_emplace(above);
+        block->second.push_back(index);
+        unknown = made;
+        index = above;
+    }
+}
+
+bool PointGrid::Level::cell_hit(const Index &index, const Vec3 &p, double radius) const {
+    const auto found = cells.find(index);
+    return found != cells.end() && std::any_of(found->second.begin(), found->second.end(), [&](const Item &item) {
+               const Vec3 d = item.point - p;
+               const double limit = 0.5 * (radius + item.radius);
+               return dot(d, d) < limit * limit;
+           });
+}
+
+bool PointGrid::Level::reaches(int level, const Index &index, const Vec3 &p, double radius) const {
+    const double side = std::ldexp(cell, kShift * (level + 1)), limit = 0.5 * (radius + cell);
+    const auto off = [&](double x, std::int64_t along) {
+        const double low = static_cast<double>(along) * side;
+        return std::max({0.0, low - x, x - (low + side)});
+    };
+    const double x = off(p.x, index[0]), y = off(p.y, index[1]), z = off(p.z, index[2]);
+    return x * x + y * y + z * z <= limit * limit;
+}
+
+bool PointGrid::Level::block_hit(int level, const Index &index, const Vec3 &p, double radius) const {
+    if (!reaches(level, index, p, radius))
+        return false;
+    if (level < 0)
+        return cell_hit(index, p, radius);
+    const auto &below = blocks[static_cast<std::size_t>(level)].at(index);
+    return std::any_of(below.begin(), below.end(),
+                       [&](const Index &one) { return block_hit(level - 1, one, p, radius); });
 }
 
 bool PointGrid::crowded(const Vec3 &p, double radius) const {
-    const auto hit = [&](const Item &item) {
-        const Vec3 d = item.point - p;
-        const double limit = 0.5 * (radius + item.radius);
-        return dot(d, d) < limit * limit;
-    };
+    constexpr double few = 64.0; // cells
     for (const Level &level : levels_) {
         const double reach = 0.5 * (radius + level.cell); // no radius on this level exceeds its cell
-        const auto lo = [&](double x) { return cell_of(x - reach, level.cell); };
-        const auto hi = [&](double x) { return cell_of(x + reach, level.cell); };
-        const double across = 2.0 * reach / level.cell + 1.0; // cells; far more than points where these are much finer
-        if (across * across * across > static_cast<double>(level.items.size())) {
-            if (std::any_of(level.items.begin(), level.items.end(), hit))
-                return true;
+        const double across = 2.0 * reach / level.cell + 1.0;
+        if (across * across * across > few) {
+            for (const auto &[index, below] : level.blocks.back())
+                if (level.block_hit(kBlocks - 1, index, p, radius))
+                    return true;
             continue;
         }
+        const auto lo = [&](double x) { return cell_of(x - reach, level.cell); };
+        const auto hi = [&](double x) { return cell_of(x + reach, level.cell); };
         for (auto i = lo(p.x); i <= hi(p.x); ++i)
             for (auto j = lo(p.y); j <= hi(p.y); ++j)
-                for (auto k = lo(p.z); k <= hi(p.z); ++k) {
-                    const auto found = level.cells.find(key(i, j, k));
-                    if (found != level.cells.end() && std::any_of(found->second.begin(), found->second.end(), hit))
+                for (auto k = lo(p.z); k <= hi(p.z); ++k)
+                    if (level.cell_hit({i, j, k}, p, radius))
                         return true;
-                }
     }
     return false;
 }

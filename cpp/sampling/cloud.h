@@ -5,6 +5,7 @@
 #include "base/vec3.h"
 #include "domain/reference.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -76,14 +77,27 @@ class PointGrid {
     bool crowded(const Vec3 &p, double radius) const;
 
   private:
+    using Index = std::array<std::int64_t, 3>; // of a cell or a block, along the axes
+    struct IndexHash {
+        std::size_t operator()(const Index &index) const;
+    };
     struct Item {
         Vec3 point;
         double radius;
     };
+    static constexpr int kBlocks = 3; // levels of blocks over the cells
+    static constexpr int kShift = 4;  // two to that many of one level along an axis make a block of the next
     struct Level {
         double cell;
-        std::unordered_map<std::uint64_t, std::vector<Item>> cells;
-        std::vector<Item> items; // all of them
+        std::unordered_map<Index, std::vector<Item>, IndexHash> cells;
+        /// Those of the level below that are not empty, by block: where a query is far larger than the cells, whole
+        /// blocks are out of its reach.
+        std::array<std::unordered_map<Index, std::vector<Index>, IndexHash>, kBlocks> blocks;
+
+        bool cell_hit(const Index &index, const Vec3 &p, double radius) const;
+        /// A block of a level, or a cell at level -1.
+        bool block_hit(int level, const Index &index, const Vec3 &p, double radius) const;
+        bool reaches(int level, const Index &index, const Vec3 &p, double radius) const;
     };
     std::vector<Level> levels_; // ascending cells
 };

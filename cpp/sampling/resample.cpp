@@ -44,7 +44,7 @@ bool has_curved_patches(const domain::Reference &reference) {
 /// Whether triangulations are mended rather than made anew. That pays where most points are inside, where a sweep moves
 /// few tets; round a surface in the open every second one is another.
 bool are_mostly_inside(const Cloud &cloud) {
-    constexpr double most = 0.6;
+    constexpr double most = 0.7;
     const auto inside = std::count(cloud.role.begin(), cloud.role.end(), Stratum::interior);
     return static_cast<double>(inside) > most * static_cast<double>(cloud.count());
 }
@@ -175,7 +175,7 @@ class Resampling : Task {
 
 Cloud Resampling::seeds() {
     set_offsets(reference, sizing_, options, correction_);
-    return make_seeds(reference, map, sizing_, SeedForm{}, renewal, held, random_, workers);
+    return make_seeds(reference, map, sizing_, SeedForm{}, renewal, held, random_, monitor, workers);
 }
 
 void Resampling::mend_surface(Cloud &cloud, RestrictedDelaunay &complex) {

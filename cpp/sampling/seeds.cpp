@@ -25,11 +25,11 @@ class LatticeLevel {
   public:
     LatticeLevel(const domain::Reference &reference, const domain::RegionMap &map, const domain::Sizing &sizing,
                  const SeedForm &form, const std::optional<PartialRenewal> &renewal, int level,
-                 const LatticeLevels &levels)
+                 const LatticeLevels &levels, Monitor &monitor)
         : reference_(reference), map_(map), sizing_(sizing), form_(form), renewal_(renewal), cell_(levels.cell(level)),
-          level_(level), levels_(levels) {}
+          level_(level), levels_(levels), monitor_(monitor) {}
 
-    template <class Take> void collect(const geometry::Box &box, const Take &take) const {
+    template <class Take> void collect(const geometry::Box &box, const Take &take) {
         const Vec3 extent = box.hi - box.lo;
         const double longest = std::max({extent.x, extent.y, extent.z});
         std::int64_t side = kBlock;
@@ -47,7 +47,9 @@ class LatticeLevel {
 
     template <class Take>
     void descend(const Vec3 &origin, std::int64_t i, std::int64_t j, std::int64_t k, std::int64_t side,
-                 const Take &take) const {
+                 const Take &take) {
+        if (monitor_.stopped())
+            return;
         const double half = 0.5 * static_cast<double>(side) * cell_;
         const Vec3 center = origin + Vec3{static_cast<double>(i) * cell_ + half, static_cast<double>(j) * cell_ + half,
                                           static_cast<double>(k) * cell_ + half};
@@ -69,6 +71,8 @@ class LatticeLevel {
                 descend(origin, i + (part & 1 ? h : 0), j + (part & 2 ? h : 0), k + (part & 4 ? h : 0), h, take);
             return;
         }
+        if (++blocks_ % SeedForm::hear == 0)
+            monitor_.report(0.0);
         int hint = foot.triangle;
         for (std::int64_t a = i; a < i + side; ++a)
             for (std::int64_t b = j; b < j + side; ++b)
@@ -104,13 +108,15 @@ class LatticeLevel {
     double cell_;
     int level_;
     const LatticeLevels &levels_;
+    Monitor &monitor_;
+    int blocks_ = 0; // that were looked at point by point
 };
 
 } // namespace
 
 void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
                  const domain::Sizing &sizing, const SeedForm &form, const std::optional<PartialRenewal> &renewal,
-                 Random &random) {
+                 Random &random, Monitor &monitor) {
     geometry::Box box;
     for (const Vec3 &p : reference.data().points)
         box.add(p);
@@ -133,7 +139,7 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
         const double cell = levels.cell(level);
         // Points of finer levels keep points of this one at a distance of a share of their mean cell.
         std::vector<Vec3> fresh;
-        LatticeLevel(reference, map, sizing, form, renewal, level, levels)
+        LatticeLevel(reference, map, sizing, form, renewal, level, levels, monitor)
             .collect(box, [&](const Vec3 &p, double size, int region) {
                 if (wires.crowded(p, form.wire_gap * size) || (level > 0 && grid.crowded(p, form.level_gap * cell)))
                     return;
@@ -147,7 +153,7 @@ void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain:
 
 Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &map, const domain::Sizing &sizing,
                  const SeedForm &form, const std::optional<PartialRenewal> &renewal, const HeldSurface *held,
-                 Random &random, const Workers &workers) {
+                 Random &random, Monitor &monitor, const Workers &workers) {
     Cloud cloud;
     for (const int v : reference.data().corners)
         cloud.add(reference.data().points[v], Stratum::corner, v, sizing.at(reference.data().points[v]));
@@ -157,7 +163,7 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
     seed_sharp_rows(cloud, reference, sizing);
     seed_corners(cloud, reference, map, sizing);
     seed_patches(cloud, reference, sizing, form, renewal, random);
-    seed_inside(cloud, reference, map, sizing, form, renewal, random);
+    seed_inside(cloud, reference, map, sizing, form, renewal, random, monitor);
     seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);
     retract(cloud, reference, workers);
     clear_sharp(cloud, sizing);

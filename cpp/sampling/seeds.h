@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/monitor.h"
 #include "base/random.h"
 #include "domain/reference.h"
 #include "domain/region_map.h"
@@ -25,19 +26,21 @@ struct SeedForm {
     static constexpr double level_gap = 0.72;     // between points of different levels, in mean cells
     static constexpr double wire_gap = 0.75;      // from points of wires, in edge lengths
     static constexpr int outliers = 50;           // one in so many sizes may be below the scale of the lattice
+    static constexpr int hear = 64;               // blocks of the lattice after which who may stop the work is asked
     static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
 };
 
 /// Corners and points that divide their angles, evenly spaced points on curves, blue noise on patches, and inside a
 /// body-centered cubic lattice whose cell follows the size field in steps, and the middles of thin walls. With a
-/// renewal, those on patches and inside only in its zones; what is held has its own points.
+/// renewal, those on patches and inside only in its zones; what is held has its own points. Where it is stopped, some
+/// of those inside are missing.
 Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &map, const domain::Sizing &sizing,
                  const SeedForm &form, const std::optional<PartialRenewal> &renewal, const HeldSurface *held,
-                 Random &random, const Workers &workers);
+                 Random &random, Monitor &monitor, const Workers &workers);
 
 /// The lattice alone, of the scale that the sizes of the cloud's points ask for; new points keep off the surface.
 void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
                  const domain::Sizing &sizing, const SeedForm &form, const std::optional<PartialRenewal> &renewal,
-                 Random &random);
+                 Random &random, Monitor &monitor);
 
 } // namespace wct::sampling

@@ -40,7 +40,9 @@ struct Domain {
     }
     sampling::Cloud seeds(unsigned threads, std::uint64_t seed) const {
         Random random(seed);
-        return sampling::make_seeds(reference, map, sizing, {}, std::nullopt, nullptr, random, Workers(threads));
+        Monitor monitor({});
+        return sampling::make_seeds(reference, map, sizing, {}, std::nullopt, nullptr, random, monitor,
+                                    Workers(threads));
     }
 };
 
