@@ -192,13 +192,19 @@ class DartThrower {
 } // namespace
 
 void seed_patches(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing, const SeedForm &form,
-                  const std::optional<PartialRenewal> &renewal, Random &random) {
+                  const std::optional<PartialRenewal> &renewal, Random &random, Monitor &monitor) {
+    constexpr int hear = 1 << 14;  // darts after which who may stop the work is asked
     constexpr double surely = 0.9; // sizes vary little over so short a way as to a point this much closer
     PointGrid grid;
     for (std::size_t i = 0; i < cloud.count(); ++i)
         grid.add(cloud.points[i], form.patch_spacing * cloud.size[i]);
     PatternGrowth(cloud, reference, sizing, form, renewal, grid).grow(random);
+    int thrown = 0;
     for (Dart &dart : DartThrower(reference, sizing, renewal, random).darts()) {
+        if (++thrown % hear == 0)
+            monitor.report(0.0);
+        if (monitor.stopped())
+            return;
         if (grid.crowded(dart.point, surely * form.patch_spacing * dart.size))
             continue;
         dart.size = sizing.at(dart.point);

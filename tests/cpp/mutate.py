@@ -134,7 +134,7 @@ def verdict(timeout: float, tests: str = "", folder: Path = BUILD) -> str:
 
 def prepare() -> float:
     """A copy that passes; the seconds that its tests take."""
-    shutil.rmtree(SOURCE, ignore_errors=True)
+    shutil.rmtree(WORK, ignore_errors=True)  # a copy that was left changed would not be compiled again
     for folder in ("cpp", "tests/cpp"):
         shutil.copytree(ROOT / folder, SOURCE / folder)
     shutil.copy(ROOT / "CMakeLists.txt", SOURCE)
