@@ -30,7 +30,10 @@ def build(source: Path, folder: Path, *definitions: str) -> Path:
     fast = ["-GNinja", f"-DCMAKE_MAKE_PROGRAM={Path(ninja.BIN_DIR) / 'ninja'}", "-DCMAKE_BUILD_TYPE=Release"]
     fast.append("-DCMAKE_CXX_FLAGS_RELEASE=-O1")
     if shutil.which("ccache"):
-        fast += ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"]  # it keeps none of those
+        fast += [
+            "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
+            "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON",
+        ]  # it keeps none of those
     run_cmake("-S", source, "-B", folder, *fast, *definitions)
     run_cmake("--build", folder)
     return folder
