@@ -21,7 +21,7 @@ import click
 _ROOT = Path(__file__).resolve().parents[1]
 _WORK = _ROOT / "build" / "numbers"
 #: The structs whose numbers are tried, by the headers that hold them.
-_HEADERS = (
+HEADERS = (
     "domain/sizing.h",
     "sampling/cloud_descent.h",
     "sampling/resample.h",
@@ -90,7 +90,7 @@ def _build() -> tuple[Path, list[Number]]:
     shutil.copytree(_ROOT, source, ignore=ignored)
     (source / "asked.h").write_text(_ASKED)
     numbers: list[Number] = []
-    for name in _HEADERS:
+    for name in HEADERS:
         path = source / "cpp" / name
         text, found = asked_for(path.read_text())
         path.write_text(text)

@@ -41,6 +41,7 @@ class LatticeLevel {
   private:
     static constexpr std::int64_t kBlock = 4; // cells along the smallest blocks
     static constexpr double kCorner = 1.7321; // from a cube's middle to its corner, in halves of its side; rounded up
+    static constexpr int kHear = 64;          // blocks after which who may stop the work is asked
     static constexpr double kLeast = 1e-3;    // size in a block, in that at its middle
     /// The lattice starts so many cells off the box, so that a box's own faces meet no lattice plane.
     static constexpr double kStart = 0.363;
@@ -71,7 +72,7 @@ class LatticeLevel {
                 descend(origin, i + (part & 1 ? h : 0), j + (part & 2 ? h : 0), k + (part & 4 ? h : 0), h, take);
             return;
         }
-        if (++blocks_ % SeedForm::hear == 0)
+        if (++blocks_ % kHear == 0)
             monitor_.report(0.0);
         int hint = foot.triangle;
         for (std::int64_t a = i; a < i + side; ++a)

@@ -26,7 +26,6 @@ struct SeedForm {
     static constexpr double level_gap = 0.72;     // between points of different levels, in mean cells
     static constexpr double wire_gap = 0.75;      // from points of wires, in edge lengths
     static constexpr int outliers = 50;           // one in so many sizes may be below the scale of the lattice
-    static constexpr int hear = 64;               // blocks of the lattice after which who may stop the work is asked
     static constexpr double jitter = 2e-3;        // of lattice points, in edge lengths: exact lattices are degenerate
 };
 
