@@ -14,6 +14,15 @@ constexpr int kInfinite = -1;  // the vertex of every ghost, always its last
 constexpr int kDead = -2;      // first vertex of a tet that is not in use
 constexpr int kOpen = INT_MIN; // a facet whose neighbour is not known yet
 
+/// The order of points by their coordinates, the first that differs.
+inline bool lies_before(const Vec3 &p, const Vec3 &q) {
+    if (p.x != q.x)
+        return p.x < q.x;
+    if (p.y != q.y)
+        return p.y < q.y;
+    return p.z < q.z;
+}
+
 /// The triangulation under construction. A facet is named 4 * tet + the corner it lies opposite. Replacing that corner
 /// of a positive tet by a point on its side of the facet leaves the tet positive, so new tets keep the corners of the
 /// old one in place. A ghost counts as positive if a point that sees its facet from outside would make it so.

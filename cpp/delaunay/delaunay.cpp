@@ -23,14 +23,6 @@ namespace wct::delaunay {
 
 namespace {
 
-bool before(const Vec3 &p, const Vec3 &q) {
-    if (p.x != q.x)
-        return p.x < q.x;
-    if (p.y != q.y)
-        return p.y < q.y;
-    return p.z < q.z;
-}
-
 // --- Insertion order -------------------------------------------------------------------------------------------------
 
 constexpr int kBits = 20; // per axis
@@ -258,7 +250,7 @@ bool Builder::in_perturbed_sphere(int tet, const Vec3 &p) const {
     if (sign != 0)
         return sign > 0;
     std::array<int, 5> rank{0, 1, 2, 3, 4};
-    std::sort(rank.begin(), rank.end(), [&](int i, int j) { return before(*q[j], *q[i]); });
+    std::sort(rank.begin(), rank.end(), [&](int i, int j) { return lies_before(*q[j], *q[i]); });
     for (const int i : rank) {
         if (i == 4)
             return false; // p itself is raised most among those that count, thus above the plane of the others

@@ -1,11 +1,11 @@
 #include "delaunay/moving_delaunay.h"
 
+#include "base/cells.h"
 #include "delaunay/builder.h"
 #include "geometry/predicates.h"
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 namespace wct::delaunay {
@@ -18,31 +18,22 @@ constexpr int kTries = 24;
 
 /// A facet's vertices, ascending, and whether it takes an even number of swaps to sort them as its tet has them.
 struct Key {
-    std::array<int, 3> vertices;
+    Facet vertices;
     bool even;
 };
 
 /// Of the facet opposite corner i: outward, or inward, for all tets alike.
 Key key_of(const std::array<int, 4> &corners, int i) {
-    Key key{{}, i % 2 == 0};
+    Key key{};
     for (int j = 0, k = 0; j < 4; ++j)
         if (j != i)
             key.vertices[k++] = corners[j];
-    const auto order = [&](int a, int b) {
-        if (key.vertices[a] > key.vertices[b]) {
-            std::swap(key.vertices[a], key.vertices[b]);
-            key.even = !key.even;
-        }
-    };
-    order(0, 1);
-    order(1, 2);
-    order(0, 1);
+    key.even = ascend(key.vertices) == (i % 2 == 0);
     return key;
 }
 
 bool have_twins(std::vector<Vec3> points) {
-    std::sort(points.begin(), points.end(),
-              [](const Vec3 &p, const Vec3 &q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); });
+    std::sort(points.begin(), points.end(), lies_before);
     return std::adjacent_find(points.begin(), points.end()) != points.end();
 }
 

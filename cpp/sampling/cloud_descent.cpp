@@ -38,6 +38,24 @@ energy::Field steepest(const energy::Field &gradient, double reach) {
     return step;
 }
 
+/// Tets from the `first` on into lanes, the last one again where there are no more.
+void load(const energy::Field &points, const std::vector<Tet> &tets, std::size_t first, energy::TetLanes &lanes) {
+    for (std::size_t lane = 0; lane < energy::kLanes; ++lane) {
+        const Tet &tet = tets[std::min(first + lane, tets.size() - 1)];
+        for (int k = 0; k < 4; ++k)
+            lanes.set(static_cast<int>(lane), k, points[tet[k]]);
+    }
+}
+
+/// The tets of all regions.
+std::vector<Tet> tets_inside(const RestrictedDelaunay &complex) {
+    std::vector<Tet> tets;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
+        if (complex.region[t] >= 0)
+            tets.push_back(complex.all.tets[t]);
+    return tets;
+}
+
 /// The points of a cloud, for L-BFGS, in units of their sizes: there the energy is equally stiff everywhere, however
 /// the sizes vary.
 class Objective {
@@ -54,11 +72,10 @@ class Objective {
             for (const auto &edge : surface_edges(complex))
                 if (curved[edge[0]] && curved[edge[1]])
                     edges_.push_back(edge);
-        for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-            if (const Tet &tet = complex.all.tets[t];
-                complex.region[t] >= 0 &&
-                std::any_of(tet.begin(), tet.end(), [&](int v) { return cloud.held[v] != Hold::all; }))
-                tets_.push_back(tet);
+        tets_ = tets_inside(complex);
+        std::erase_if(tets_, [&](const Tet &tet) {
+            return std::all_of(tet.begin(), tet.end(), [&](int v) { return cloud.held[v] == Hold::all; });
+        });
         // Next to nothing is left of a tet as flat as this: it is for the next triangulation to deal with, and must not
         // make the energy infinite before anything has moved.
         constexpr double kHopeless = 2e-2;
@@ -66,7 +83,7 @@ class Objective {
         energy::WorstLanes worst;
         std::vector<Tet> kept;
         for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
-            load(cloud.points, first, lanes);
+            load(cloud.points, tets_, first, lanes);
             energy::measure_worst(lanes, false, worst);
             for (std::size_t k = first; k < std::min(first + energy::kLanes, tets_.size()); ++k) {
                 const double flatness = worst.flatness[static_cast<int>(k - first)];
@@ -149,7 +166,7 @@ class Objective {
         energy::Lanes energy;
         evaluations_ += tets_.size();
         for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
-            load(points_, first, lanes);
+            load(points_, tets_, first, lanes);
             for (int lane = 0; lane < energy::kLanes; ++lane)
                 terms.flatness[lane] = floors_[std::min(first + static_cast<std::size_t>(lane), tets_.size() - 1)];
             energy::measure(lanes, cosines, shape_);
@@ -219,14 +236,6 @@ class Objective {
             }
     }
 
-    void load(const energy::Field &points, std::size_t first, energy::TetLanes &lanes) const {
-        for (std::size_t lane = 0; lane < energy::kLanes; ++lane) {
-            const auto &tet = tets_[std::min(first + lane, tets_.size() - 1)];
-            for (int k = 0; k < 4; ++k)
-                lanes.set(static_cast<int>(lane), k, points[tet[k]]);
-        }
-    }
-
     const Cloud &cloud_;
     const std::vector<Vec3> &direction_;
     const energy::EnergyForm &form_;
@@ -283,10 +292,7 @@ Tally count_bad(const Cloud &cloud, const RestrictedDelaunay &complex, bool cosi
 std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &complex, energy::EnergyForm form,
                                  int rings) {
     form.weight_quality = 0.0;
-    std::vector<Tet> tets;
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-        if (complex.region[t] >= 0)
-            tets.push_back(complex.all.tets[t]);
+    const std::vector<Tet> tets = tets_inside(complex);
     std::vector<char> moves(cloud.count());
     for (std::size_t i = 0; i < moves.size(); ++i)
         moves[i] = cloud.role[i] != Stratum::interior;
@@ -296,9 +302,7 @@ std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &c
     energy::Lanes energy;
     const energy::TermLanes terms = energy::flatness_terms(0.0);
     for (std::size_t first = 0; first < tets.size(); first += energy::kLanes) {
-        for (std::size_t lane = 0; lane < energy::kLanes; ++lane)
-            for (int k = 0; k < 4; ++k)
-                lanes.set(static_cast<int>(lane), k, cloud.points[tets[std::min(first + lane, tets.size() - 1)][k]]);
+        load(cloud.points, tets, first, lanes);
         energy::measure(lanes, form.cosines(), shape);
         energy::penalize(shape, form, terms, energy, slopes);
         for (std::size_t k = first; k < std::min(first + energy::kLanes, tets.size()); ++k)

@@ -43,8 +43,8 @@ def _write(path: Path, *columns: Floats | Ints) -> None:
         np.savetxt(file, rows, fmt="%.17g")
 
 
-def main(memory: str, switches: str, path: str) -> int:
-    """Do what the program would, and give its exit code."""
+def main(memory: str, switches: str, path: str) -> tuple[int, str]:
+    """Do what the program would; gives its exit code and what it would print."""
     from tetgen import TetGen
 
     points, triangles, markers = _surface(path)
@@ -57,24 +57,24 @@ def main(memory: str, switches: str, path: str) -> int:
     try:
         nodes, tets, regions, marked = filled.tetrahedralize(switches=switches.removeprefix("-"))
     except MemoryError:
-        print("Out of memory")  # noqa: T201
-        return 1
+        return 1, "Out of memory\n"
     except RuntimeError as error:
         if _SKIPPED.exists():
-            print("Skipped facets", *np.loadtxt(_SKIPPED, skiprows=1, dtype=int, ndmin=2)[:, -1])  # noqa: T201
-            return 0 if looking else 1
+            skipped = np.loadtxt(_SKIPPED, skiprows=1, dtype=int, ndmin=2)[:, -1]
+            return 0 if looking else 1, f"Skipped facets {' '.join(map(str, skipped))}\n"
         if looking and "Failed to tetrahedralize" in str(error):  # as it must: it was not asked to
-            return 0
+            return 0, ""
         if type(error) is not RuntimeError:  # its own for no tets
-            return 0
-        print(error)  # noqa: T201
-        return 1
+            return 0, ""
+        return 1, f"{error}\n"
     stem = path.removesuffix(".poly")
     _write(Path(f"{stem}.1.node"), nodes)
     _write(Path(f"{stem}.1.ele"), tets, regions)
     _write(Path(f"{stem}.1.face"), filled.trifaces, marked)
-    return 0
+    return 0, ""
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    code, said = main(*sys.argv[1:])
+    sys.stdout.write(said)
+    raise SystemExit(code)

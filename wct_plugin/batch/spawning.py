@@ -26,7 +26,7 @@ _START = """\
 import json, sys
 sys.path[:] = json.loads(sys.argv[1])  # where our own modules come from
 from wct_plugin.batch.spawning import main
-main(sys.argv[2])
+sys.exit(main(sys.argv[2]))
 """
 if sys.platform == "win32":
     _NEW_GROUP = subprocess.CREATE_NEW_PROCESS_GROUP
@@ -113,8 +113,8 @@ def _end(process: "subprocess.Popen[bytes]") -> None:
             process.kill()
 
 
-def main(attempt: str) -> None:
-    """Be the job of this folder: in the new process."""
+def main(attempt: str) -> int:
+    """Be the job of this folder, in the new process; gives its exit code."""
     threading.Thread(target=_end_with_caller, daemon=True).start()
     if sys.platform != "win32":
         process_sessions.die_first()
@@ -122,7 +122,7 @@ def main(attempt: str) -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):  # what it says last is heard even if it leaves by os._exit
         sys.stdout.reconfigure(line_buffering=True)
     job = Job(**json.loads(Path(attempt, _REQUEST).read_text(encoding="utf-8")))
-    sys.exit(perform(job, Path(attempt)))
+    return perform(job, Path(attempt))
 
 
 def _end_with_caller() -> None:

@@ -50,13 +50,18 @@ def folder_of(file: Path) -> Path:
 
 def companion(file: Path, name: str) -> Path:
     """The file of this name as ``file`` means it. Raises :class:`InputError` where it lies elsewhere or is none."""
-    if "\0" in name:
-        raise InputError(f"names the file {name!r}, which is no name of a file")
+    expect_name(name, f"names the file {name!r}")
     folder = folder_of(file)
     path = Path(os.path.normpath(folder / name.replace("\\", "/")))
     if not path.is_relative_to(folder):
         raise InputError(f"names the file {name!r}, which lies elsewhere; allowed are files beside or below it")
     return checked(file, path, f"names the file {name!r}")
+
+
+def expect_name(name: str, said: str) -> None:
+    """Raise :class:`InputError`, which begins with what is ``said`` of it, for a name that no file can have."""
+    if "\0" in name:
+        raise InputError(f"{said}, which is no name of a file")
 
 
 def checked(file: Path, path: Path, said: str) -> Path:

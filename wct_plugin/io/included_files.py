@@ -4,7 +4,7 @@ from pathlib import Path
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import read_limit
-from wct_plugin.io.companions import checked, folder_of
+from wct_plugin.io.companions import checked, expect_name, folder_of
 
 #: Files that one file may lead to, itself included more than once among them.
 _MOST = 1000
@@ -23,8 +23,7 @@ class Included:
         Raises :class:`InputError` for a file that is not there, is no file, or lies elsewhere, and for one that
         includes itself.
         """
-        if "\0" in name:
-            raise InputError(f"includes {name!r}, which is no name of a file")
+        expect_name(name, f"includes {name!r}")
         relative = name.replace("\\", "/")
         beside = [folder / relative for folder in (*[one.parent for one in within[-1:]], self._root)]
         wanted = next((path for path in beside if path.exists()), beside[0]).resolve()

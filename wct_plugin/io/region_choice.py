@@ -143,12 +143,10 @@ def whole(values: NDArray[Any]) -> Ints | None:
         values = values[:, 0]
     if values.ndim != 1 or values.dtype.kind not in "iufb":
         return None
-    if (
-        values.dtype.kind == "f" and not (np.abs(values.astype(np.float64)) < 2.0**53).all()
-    ):  # also where it is no number
-        return None
-    if values.dtype.kind == "f" and (values != np.rint(values)).any():
-        return None
+    if values.dtype.kind == "f":
+        wide = values.astype(np.float64)  # halves have no such large number to be compared with
+        if not (np.abs(wide) < 2.0**53).all() or (values != np.rint(values)).any():  # also where it is no number
+            return None
     found = values.astype(np.int64)
     return found if values.dtype.kind != "u" or (found >= 0).all() else None
 

@@ -76,12 +76,7 @@ TEST_CASE("Search: the same start and seed give the same bits, another seed othe
 }
 
 TEST_CASE("Search: a fixed surface keeps every facet, and no more tets come than may") {
-    Body body = cube(3, 0.3, 5);
-    for (std::size_t v = 0; v < body.points.size(); ++v)
-        if (body.stratum[v] != Stratum::interior) {
-            body.stratum[v] = Stratum::corner;
-            body.label[v] = -1;
-        }
+    const Body body = cube(3, 0.3, 5);
     search::SearchOptions options = quick();
     options.kicks = 100;
     options.flip_surface = options.split_surface = false;
@@ -90,7 +85,7 @@ TEST_CASE("Search: a fixed surface keeps every facet, and no more tets come than
     for (const Facet &f : body.facets)
         wanted.push_back(search::sorted(f[0], f[1], f[2]));
     std::sort(wanted.begin(), wanted.end());
-    const Searched made = searched(start_of(body), body, 0.02, options);
+    const Searched made = searched(pinned(body), body, 0.02, options);
     for (const auto &[key, patch] : made.complex.sorted_surface())
         left.push_back(key);
     CHECK(left == wanted);

@@ -207,6 +207,14 @@ Body ball(int n, double jitter, std::uint64_t seed) {
     return body;
 }
 
+Body cut_ball(int n, double jitter, std::uint64_t seed) {
+    Body made = ball(n, jitter, seed);
+    Body body = stratified(std::move(made.points), std::move(made.tets), std::move(made.regions),
+                           [](const Vec3 &middle, const Vec3 &) { return middle.z > 0.03 ? 0 : 1; });
+    body.size = made.size;
+    return body;
+}
+
 Body cylinder(int n, double jitter, std::uint64_t seed) {
     Lattice made = lattice(n, jitter, seed, 2.0);
     for (Vec3 &p : made.points) {

@@ -44,6 +44,8 @@ Body stratified(std::vector<Vec3> points, std::vector<Tet> tets, std::vector<int
 Body cube(int n, double jitter, std::uint64_t seed, double split = 2.0);
 /// The same, pulled onto the unit ball: one curved patch.
 Body ball(int n, double jitter, std::uint64_t seed);
+/// The ball in an upper and a lower patch: the crease between them runs along edges, not smoothly.
+Body cut_ball(int n, double jitter, std::uint64_t seed);
 /// Radius and height 1: a curved patch, two planes, two round creases.
 Body cylinder(int n, double jitter, std::uint64_t seed);
 

@@ -68,6 +68,16 @@ Start start_of(const Body &body) {
     return start;
 }
 
+Start pinned(const Body &body) {
+    Start start = start_of(body);
+    for (std::size_t v = 0; v < body.points.size(); ++v)
+        if (body.stratum[v] != Stratum::interior) {
+            start.body.stratum[v] = Stratum::corner;
+            start.body.label[v] = -1;
+        }
+    return start;
+}
+
 Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options,
                   bool loose, const std::vector<double> &local) {
     Searched out;
@@ -88,6 +98,7 @@ Searched searched(const Start &start, const Body &on, double tolerance, const se
     search::CreaseRelease search(out.complex, {on.points, on.facets, on.patch, on.creases, on.curve, may, 0.0, local},
                                  tolerance, 0.125 * size);
     out.outcome = search.run(options, [](const char *, double, int) { return true; });
+    out.released = search.released();
     return out;
 }
 

@@ -19,12 +19,15 @@ Start resampled(const Body &body, double tolerance, unsigned threads, std::uint6
 struct Searched {
     search::TetComplex complex;
     search::SearchOutcome outcome;
+    std::vector<int> released; // creases
 };
 Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options,
                   bool loose = false, const std::vector<double> &local = {});
 
 /// The body itself as a start.
 Start start_of(const Body &body);
+/// The same with all vertices of the surface where they are.
+Start pinned(const Body &body);
 
 /// Tets of a complex that do not hold their circumcenter or, if `acute`, have a facet that does not, exactly.
 int not_well_centered(const search::TetComplex &complex, bool acute);
