@@ -15,31 +15,11 @@ namespace {
 
 constexpr double kTolerance = 0.02;
 
-/// A ball cut into an upper and a lower patch: the crease between them runs along edges, not smoothly.
-Body cut_ball(int n, double jitter, std::uint64_t seed) {
-    Body made = ball(n, jitter, seed);
-    Body body = stratified(made.points, made.tets, made.regions,
-                           [](const Vec3 &middle, const Vec3 &) { return middle.z > 0.03 ? 0 : 1; });
-    body.size = made.size;
-    return body;
-}
-
-search::LoosenedSurface loosened(const Body &body, bool loose) {
-    int curves = 0;
-    for (const int c : body.curve)
-        curves = std::max(curves, c + 1);
-    return {body.points,  body.facets, body.patch,
-            body.creases, body.curve,  std::vector<std::uint8_t>(static_cast<std::size_t>(curves), loose),
-            0.0,          {}};
-}
-
 search::SearchOptions little() {
     search::SearchOptions options;
     options.kicks = 40;
     return options;
 }
-
-const search::SearchProgress kQuiet = [](const char *, double, int) { return true; };
 
 } // namespace
 
@@ -47,21 +27,18 @@ TEST_CASE("CreaseRelease: a crease that holds tets up becomes ordinary surface, 
     const Body body = cut_ball(4, 0.2, 3);
     REQUIRE(body.sides.size() == 2);
     REQUIRE_FALSE(body.creases.empty());
-    search::TetComplex held = complex_of(body);
-    search::CreaseRelease stiff(held, loosened(body, false), kTolerance, 0.125 * body.size);
-    const int left = stiff.run(little(), kQuiet).bad;
-    CHECK(stiff.released().empty());
+    const Searched stiff = searched(start_of(body), body, kTolerance, little());
+    const int left = stiff.outcome.bad;
+    CHECK(stiff.released.empty());
     REQUIRE(left > 0);
 
-    search::TetComplex complex = complex_of(body);
-    search::CreaseRelease release(complex, loosened(body, true), kTolerance, 0.125 * body.size);
-    const search::SearchOutcome outcome = release.run(little(), kQuiet);
-    REQUIRE_FALSE(release.released().empty());
+    const auto &[complex, outcome, released] = searched(start_of(body), body, kTolerance, little(), true);
+    REQUIRE_FALSE(released.empty());
     CHECK(outcome.bad < left);
     CHECK(not_well_centered(complex, true) <= outcome.bad);
     CHECK(fault(complex) == "");
     CHECK(characteristics(complex) == std::vector<int>{1});
-    const std::set<int> gone(release.released().begin(), release.released().end());
+    const std::set<int> gone(released.begin(), released.end());
     for (const auto &[edge, curve] : complex.creases())
         CHECK_FALSE(gone.contains(curve));
     for (const auto &[key, patch] : complex.sorted_surface())
@@ -81,13 +58,11 @@ TEST_CASE("CreaseRelease: a crease that holds tets up becomes ordinary surface, 
 
 TEST_CASE("CreaseRelease: straight creases of planes stay, whatever is said of them") {
     const Body body = cube(3, 0.3, 8);
-    search::TetComplex complex = complex_of(body);
-    search::CreaseRelease release(complex, loosened(body, true), kTolerance, 0.125 * body.size);
     search::SearchOptions options = little();
     options.passes = 1;
     options.kicks = 2; // so that some stay bad
-    release.run(options, kQuiet);
-    CHECK(release.released().empty());
+    const auto &[complex, outcome, released] = searched(start_of(body), body, kTolerance, options, true);
+    CHECK(released.empty());
     CHECK(fault(complex) == "");
     std::set<int> patches;
     for (const auto &[key, patch] : complex.sorted_surface())

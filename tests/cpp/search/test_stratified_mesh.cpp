@@ -10,19 +10,9 @@
 
 namespace wct::tests {
 
-namespace {
-
-search::StratifiedMesh mesh_of(const Body &body) {
-    return {body.points,  body.stratum, body.label,  std::vector<double>(body.points.size(), body.size),
-            body.tets,    body.regions, body.facets, body.patch,
-            body.creases, body.curve};
-}
-
-} // namespace
-
 TEST_CASE("Stratified meshes: sound ones pass, and come back as they went in") {
     for (const Body &body : {cube(3, 0.2, 1, 1.0 / 3.0), cylinder(3, 0.1, 2)}) {
-        const search::StratifiedMesh mesh = mesh_of(body);
+        const search::StratifiedMesh mesh = stratified_mesh(body);
         CHECK_NOTHROW(search::expect_conforming(mesh));
         const search::TetComplex complex = search::complex_of(mesh);
         CHECK_NOTHROW(search::expect_kept(complex));
@@ -40,7 +30,7 @@ TEST_CASE("Stratified meshes: sound ones pass, and come back as they went in") {
 }
 
 TEST_CASE("Stratified meshes: what is wrong is refused by name") {
-    const search::StratifiedMesh mesh = mesh_of(cube(2, 0.2, 3));
+    const search::StratifiedMesh mesh = stratified_mesh(cube(2, 0.2, 3));
     for (const std::size_t t : {std::size_t{0}, std::size_t{17}, mesh.tets.size() - 1}) {
         search::StratifiedMesh wrong = mesh;
         std::swap(wrong.tets[t][1], wrong.tets[t][2]);
@@ -77,16 +67,16 @@ TEST_CASE("Stratified meshes: what is wrong is refused by name") {
 
 TEST_CASE("Stratified meshes: a surface facet or a crease that no tet has any more is a fault") {
     const Body body = cube(2, 0.2, 4);
-    search::TetComplex complex = search::complex_of(mesh_of(body));
+    search::TetComplex complex = complex_of(body);
     complex.add_crease({0, static_cast<int>(body.points.size()) - 1}, 0);
     CHECK_THROWS_AS(search::expect_kept(complex), std::logic_error);
-    search::TetComplex other = search::complex_of(mesh_of(body));
+    search::TetComplex other = complex_of(body);
     other.add_facet({0, 1, static_cast<int>(body.points.size()) - 1}, 0);
     CHECK_THROWS_AS(search::expect_kept(other), std::logic_error);
 }
 
 TEST_CASE("Stratified meshes: the mean size at the surface, and where there is none") {
-    search::StratifiedMesh mesh = mesh_of(cube(2, 0.0, 5));
+    search::StratifiedMesh mesh = stratified_mesh(cube(2, 0.0, 5));
     double sum = 0.0, count = 0.0;
     for (std::size_t v = 0; v < mesh.points.size(); ++v) {
         mesh.size[v] = mesh.stratum[v] == Stratum::interior ? 100.0 : 0.1 + 0.01 * static_cast<double>(v);

@@ -1,21 +1,18 @@
 #include "support/bench.h"
 
-#include "search/needle_cosines.h"
+#include <utility>
 
 namespace wct::tests {
 
+search::StratifiedMesh stratified_mesh(const Body &body, std::vector<double> size) {
+    if (size.empty())
+        size.assign(body.points.size(), body.size);
+    return {body.points,  body.stratum, body.label, std::move(size), body.tets,
+            body.regions, body.facets,  body.patch, body.creases,    body.curve};
+}
+
 search::TetComplex complex_of(const Body &body) {
-    search::TetComplex complex;
-    const auto needle = search::needle_cosines(body.points, body.tets, body.regions, body.creases);
-    for (std::size_t v = 0; v < body.points.size(); ++v)
-        complex.add_vertex({body.points[v], body.stratum[v], body.label[v], body.size, needle[v]});
-    for (std::size_t t = 0; t < body.tets.size(); ++t)
-        complex.add_tet(body.tets[t], body.regions[t], 0.0);
-    for (std::size_t k = 0; k < body.facets.size(); ++k)
-        complex.add_facet(search::sorted(body.facets[k][0], body.facets[k][1], body.facets[k][2]), body.patch[k]);
-    for (std::size_t k = 0; k < body.creases.size(); ++k)
-        complex.add_crease(search::sorted(body.creases[k][0], body.creases[k][1]), body.curve[k]);
-    return complex;
+    return search::complex_of(stratified_mesh(body));
 }
 
 search::SurfaceGuide guide_of(const Body &body, double tolerance, double spacing) {

@@ -2,10 +2,14 @@
 
 #include "search/group_descent.h"
 #include "search/operators.h"
+#include "search/stratified_mesh.h"
 #include "search/vertex_descent.h"
 #include "support/bodies.h"
 
 namespace wct::tests {
+
+/// The body as the mesh of a search; wanted sizes per point, none: the body's own everywhere.
+search::StratifiedMesh stratified_mesh(const Body &body, std::vector<double> size = {});
 
 /// The complex of a body, its energies not measured yet.
 search::TetComplex complex_of(const Body &body);

@@ -4,7 +4,9 @@
 #include "sampling/resample.h"
 #include "sampling/surface_labels.h"
 #include "search/crease_release.h"
-#include "search/needle_cosines.h"
+#include "support/bench.h"
+
+#include <numeric>
 
 namespace wct::tests {
 
@@ -81,19 +83,9 @@ Start pinned(const Body &body) {
 Searched searched(const Start &start, const Body &on, double tolerance, const search::SearchOptions &options,
                   bool loose, const std::vector<double> &local) {
     Searched out;
-    const Body &body = start.body;
-    const auto needle = search::needle_cosines(body.points, body.tets, body.regions, body.creases);
-    double size = 0.0;
-    for (std::size_t v = 0; v < body.points.size(); ++v) {
-        out.complex.add_vertex({body.points[v], body.stratum[v], body.label[v], start.size[v], needle[v]});
-        size += start.size[v] / static_cast<double>(body.points.size());
-    }
-    for (std::size_t t = 0; t < body.tets.size(); ++t)
-        out.complex.add_tet(body.tets[t], body.regions[t], 0.0);
-    for (std::size_t k = 0; k < body.facets.size(); ++k)
-        out.complex.add_facet(search::sorted(body.facets[k][0], body.facets[k][1], body.facets[k][2]), body.patch[k]);
-    for (std::size_t k = 0; k < body.creases.size(); ++k)
-        out.complex.add_crease(body.creases[k], body.curve[k]);
+    out.complex = search::complex_of(stratified_mesh(start.body, start.size));
+    const double size =
+        std::accumulate(start.size.begin(), start.size.end(), 0.0) / static_cast<double>(start.size.size());
     const std::vector<std::uint8_t> may(on.creases.size(), loose); // as many curves at most
     search::CreaseRelease search(out.complex, {on.points, on.facets, on.patch, on.creases, on.curve, may, 0.0, local},
                                  tolerance, 0.125 * size);
