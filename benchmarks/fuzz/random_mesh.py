@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, QhullError
 
+from benchmarks.fuzz.outer_facets import FACETS, boundary_of
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-_FACES = ((1, 3, 2), (0, 2, 3), (0, 3, 1), (0, 1, 2))  #: of a positive tet, seen from outside
 
 
 @dataclass
@@ -53,14 +54,6 @@ def _positive(points: Floats, tets: Ints) -> Ints:
 def _used(points: Floats, tets: Ints) -> tuple[Floats, Ints]:
     used, inverse = np.unique(tets, return_inverse=True)
     return points[used], inverse.reshape(-1, 4)
-
-
-def boundary_of(tets: Ints) -> Ints:
-    """The facets of one tet only, oriented outwards for positive tets."""
-    faces = np.concatenate([tets[:, face] for face in _FACES])
-    _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    outer: Ints = faces[np.sort(first[counts == 1])]
-    return outer
 
 
 def _cloud(draw: random.Random, rng: np.random.Generator) -> tuple[Floats, Ints]:
@@ -165,7 +158,9 @@ def _tag(draw: random.Random, made: Made) -> None:
         faces[0] = faces[0][[draw.random() < 0.6 for _ in faces[0]]]
     if draw.random() < 0.25:  # any facets at all
         faces.append(
-            np.array([[tet[k] for k in draw.choice(_FACES)] for tet in made.tets.tolist() if draw.random() < 0.2])
+            np.array(
+                [[tet[k] for k in draw.choice(FACETS.tolist())] for tet in made.tets.tolist() if draw.random() < 0.2]
+            )
         )
     faces = [one for one in faces if len(one)]
     if faces:

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.fuzz.judge import exact
+from benchmarks.fuzz.outer_facets import FACETS, boundary_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 #: What volumes of regions and areas of tagged groups may change by.
 CHANGE = 5e-3
-_FACES = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])  #: of a positive tet, seen from outside
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def faults_of_mesh(new: Arrays) -> list[str]:
         return ["the output has an index out of range"]
     if flat := exact.not_positive(new.points, new.tets):
         return [f"tet {flat[0]} of the output is not positively oriented"]
-    faces = new.tets[:, _FACES].reshape(-1, 3)
+    faces = new.tets[:, FACETS].reshape(-1, 3)
     turned = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
     if len(np.unique(turned, axis=0)) != len(turned):
         return ["two tets of the output lie on the same side of a facet"]
@@ -130,20 +130,13 @@ def faults_of_groups(old: Arrays, new: Arrays) -> list[str]:
     ]
 
 
-def _outside(mesh: Arrays) -> Ints:
-    faces = mesh.tets[:, _FACES].reshape(-1, 3)
-    _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    outer: Ints = faces[first[counts == 1]]
-    return outer
-
-
 def faults_of_planes(old: Arrays, new: Arrays) -> list[str]:
     """Whether each boundary facet lies in one of the planes along the axes that the boundary had, to the bit."""
     had = []
     for axis in range(3):
-        rows = old.points[_outside(old), axis]
+        rows = old.points[boundary_of(old.tets), axis]
         had.append(set(rows[(rows == rows[:, :1]).all(axis=1), 0].tolist()))
-    rows = new.points[_outside(new)]
+    rows = new.points[boundary_of(new.tets)]
     plane = np.zeros(len(rows), dtype=bool)
     for axis in range(3):
         values = rows[:, :, axis]
@@ -158,7 +151,7 @@ def share(flags: dict[str, int], goal: str, tets: int) -> Fraction:
 
 def _sides(mesh: Arrays, axis: int) -> list[Any]:
     """The vertices of the boundary at both ends of an axis, without their place along it, in order."""
-    rows = mesh.points[np.unique(_outside(mesh))]
+    rows = mesh.points[np.unique(boundary_of(mesh.tets))]
     low, high = rows[:, axis].min(), rows[:, axis].max()
     return [sorted(np.delete(rows[rows[:, axis] == end], axis, axis=1).tolist()) for end in (low, high)]
 
