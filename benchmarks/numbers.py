@@ -12,11 +12,14 @@ import subprocess
 import sys
 import sysconfig
 import time
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
+
+import wct_plugin as wct
 
 _ROOT = Path(__file__).resolve().parents[1]
 _WORK = _ROOT / "build" / "numbers"
@@ -122,10 +125,6 @@ def _run(site: Path, mesh: Path, name: str, share: float) -> Outcome:
 
 
 def _one(mesh: Path) -> Outcome:
-    import warnings
-
-    import wct_plugin as wct
-
     warnings.simplefilter("ignore")
     given = wct.read(mesh)
     before = time.process_time()

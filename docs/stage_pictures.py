@@ -5,15 +5,14 @@
 
 import warnings
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-from PIL import Image
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from paper_pictures import LIGHT, draw_edges, save, space
 
 import wct_plugin as wct
 from wct_plugin.core import _core
@@ -24,44 +23,35 @@ from wct_plugin.mesh.topology import FACETS, Topology
 
 FOLDER = Path(__file__).with_name("stages")
 SAMPLE = Path(wct.__file__).with_name("cli") / "samples" / "part.msh"
-LIGHT = np.array([0.3, -0.8, 0.52])
 GOOD, BAD = "#cfe3f5", "#d7301f"
 
 
-def recorded(mesh, **options):
-    """The starts and the results of the searches on the way, and the mesh in the end."""
+def recorded(mesh, **changes):
+    """The new start, what the first search made of it with these options changed, and the mesh in the end."""
     starts, results = [], []
     resample, search = _core.resample, _core.search_well_centered
 
     def resampled(*given, **named):
-        made = resample(*given, **named)
-        starts.append(made.mesh)
-        return made
+        starts.append(resample(*given, **named))
+        return starts[-1]
 
-    def searched(*given, **named):
-        found = search(*given, **named)
-        results.append(found)
-        return found
+    def searched(start, surface, options, progress):
+        results.append(search(start, surface, replace(options, **changes), progress))
+        return results[-1]
 
     _core.resample, _core.search_well_centered = resampled, searched
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            made, _ = wct.apply_filter("meshing_well_centered", mesh, **options)
+            made, _ = wct.apply_filter("meshing_well_centered", mesh)
     finally:
         _core.resample, _core.search_well_centered = resample, search
-    return starts, results, made
+    return starts[-1].mesh, results[0].mesh, made
 
 
 def axes_of(figure, count, k, points, title):
     """Axes that hold all the points."""
-    axes = figure.add_subplot(1, count, k, projection="3d", elev=38, azim=-62)
-    low, high = points.min(axis=0), points.max(axis=0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.05)
-    axes.set_axis_off()
-    axes.set_title(title, fontsize=9)
-    return axes
+    return space(figure, (1, count), k, title, points.min(axis=0), points.max(axis=0), (38, -62), zoom=1.05)
 
 
 def add_triangles(axes, corners, colours):
@@ -93,7 +83,7 @@ def strata(mesh):
     axes = axes_of(figure, 1, 1, mesh.points, "patches, creases (black) and corners (dots)")
     corners = mesh.points[found.triangles]
     add_triangles(axes, corners, colormaps["tab20"](found.patch % 20))
-    axes.add_collection3d(Line3DCollection(mesh.points[found.segments], colors="black", linewidths=1.4))
+    draw_edges(axes, mesh.points[found.segments], "black", 1.4)
     dots = mesh.points[found.stratum == 3]
     axes.scatter(*dots.T, color="black", s=14, depthshade=False)
     return figure
@@ -109,27 +99,12 @@ def side_by_side(states):
     return figure
 
 
-def first_pass(mesh):
-    """What repair alone makes of the start, without kicks."""
-    search = _core.search_well_centered
-
-    def without_kicks(start, surface, options, progress):
-        return search(start, surface, replace(options, kicks=0), progress)
-
-    _core.search_well_centered = without_kicks
-    try:
-        return recorded(mesh)[1][0].mesh
-    finally:
-        _core.search_well_centered = search
-
-
 def main():
     """Write them all."""
     FOLDER.mkdir(exist_ok=True)
     mesh = wct.read(SAMPLE)
-    starts, _, made = recorded(mesh)
-    start = starts[-1]
-    repaired = first_pass(mesh)
+    start, _, made = recorded(mesh)
+    _, repaired, _ = recorded(mesh, kicks=0)
     figures = {
         "strata": strata(mesh),
         "start": side_by_side(
@@ -140,10 +115,7 @@ def main():
         ),
     }
     for name, figure in figures.items():
-        drawn = BytesIO()
-        figure.savefig(drawn, dpi=110)
-        picture = Image.open(drawn).convert("RGB").quantize(colors=48, method=Image.Quantize.MEDIANCUT)
-        picture.save(FOLDER / f"{name}.png", optimize=True)
+        save(figure, FOLDER / f"{name}.png", dpi=110, colours=48)
 
 
 if __name__ == "__main__":

@@ -64,9 +64,9 @@ def read(path: Path) -> tuple[RawMesh, list[str]]:
     _node_sets(raw, found)
     for name, values in zip(found.texts("name_nod_var"), _node_values(found), strict=False):
         raw.point_data[name] = values
-    steps = len(found.get("time_whole", ()))
-    if steps > 1 and any(name.startswith("vals_") for name in found):
-        raw.notes.append(f"has {steps} steps; the last at time {found['time_whole'][-1]:g} is taken")
+    times = _list_of(found, "time_whole")
+    if len(times) > 1 and any(name.startswith("vals_") for name in found):
+        raw.notes.append(f"has {len(times)} steps; the last at time {times[-1]:g} is taken")
     if kept := [name for name in found if name.startswith("attrib")]:
         lost.append(f"attributes of {len(kept)} blocks")
     return raw, lost
