@@ -4,6 +4,7 @@
 is what TetGen may take beside Python, 0 for no limit. Its native code may end the process, as the program does.
 """
 
+import os
 import sys
 from pathlib import Path
 
@@ -43,8 +44,12 @@ def _write(path: Path, *columns: Floats | Ints) -> None:
         np.savetxt(file, rows, fmt="%.17g")
 
 
-def main(memory: str, switches: str, path: str) -> tuple[int, str]:
-    """Do what the program would; gives its exit code and what it would print."""
+def main(memory: str, switches: str, path: str) -> tuple[int, str, object]:
+    """Do what the program would; gives its exit code, what it would print, and TetGen's object.
+
+    Where facets cross, TetGen writes beyond its arrays, and the end of its object then ends the process: what is to be
+    printed must have been by then.
+    """
     from tetgen import TetGen
 
     points, triangles, markers = _surface(path)
@@ -57,24 +62,25 @@ def main(memory: str, switches: str, path: str) -> tuple[int, str]:
     try:
         nodes, tets, regions, marked = filled.tetrahedralize(switches=switches.removeprefix("-"))
     except MemoryError:
-        return 1, "Out of memory\n"
+        return 1, "Out of memory\n", filled
     except RuntimeError as error:
         if _SKIPPED.exists():
             skipped = np.loadtxt(_SKIPPED, skiprows=1, dtype=int, ndmin=2)[:, -1]
-            return 0 if looking else 1, f"Skipped facets {' '.join(map(str, skipped))}\n"
+            return 0 if looking else 1, f"Skipped facets {' '.join(map(str, skipped))}\n", filled
         if looking and "Failed to tetrahedralize" in str(error):  # as it must: it was not asked to
-            return 0, ""
+            return 0, "", filled
         if type(error) is not RuntimeError:  # its own for no tets
-            return 0, ""
-        return 1, f"{error}\n"
+            return 0, "", filled
+        return 1, f"{error}\n", filled
     stem = path.removesuffix(".poly")
     _write(Path(f"{stem}.1.node"), nodes)
     _write(Path(f"{stem}.1.ele"), tets, regions)
     _write(Path(f"{stem}.1.face"), filled.trifaces, marked)
-    return 0, ""
+    return 0, "", filled
 
 
 if __name__ == "__main__":
-    code, said = main(*sys.argv[1:])
+    code, said, filled = main(*sys.argv[1:])
     sys.stdout.write(said)
-    raise SystemExit(code)
+    sys.stdout.flush()
+    os._exit(code)  # with the object as it is
