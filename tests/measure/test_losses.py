@@ -13,7 +13,7 @@ from wct_plugin.mesh import Cells, TetMesh
 KEPT = {"creases": 0, "length": 0.0}
 
 
-def losses(old, new, *, released=KEPT, sides=None, allow_released=False, tolerance=1e-3):
+def losses(old, new, *, released=KEPT, sides=None, allow_released=False, tolerance=1e-3, names=None):
     return find_losses(
         measure_fidelity(old, new, None),
         measure_groups(old, new, {}),
@@ -23,6 +23,7 @@ def losses(old, new, *, released=KEPT, sides=None, allow_released=False, toleran
         sides,
         allowed=tolerance,
         allow_released=allow_released,
+        names=names or {},
     )
 
 

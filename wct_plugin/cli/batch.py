@@ -14,7 +14,7 @@ from wct_plugin.batch.job import Record
 from wct_plugin.batch.run import BatchProgress, BatchResult, run_batch
 from wct_plugin.cli import filter_options
 from wct_plugin.cli.messages import err, fail, out
-from wct_plugin.cli.output import table
+from wct_plugin.cli.output import print_table
 from wct_plugin.cli.run import complete_pipeline, read_pipeline
 from wct_plugin.cli.settings import set_option
 from wct_plugin.io.region_choice import Regions
@@ -125,7 +125,7 @@ def _line(record: Record) -> str:
 def _print(result: BatchResult) -> None:
     """The table over all files, failures last with their causes."""
     rows = [summary.row(record) for record in result.records]
-    out.print(table("Files", summary.HEAD, rows))
+    print_table("Files", summary.HEAD, rows)
     earlier = len(result.records) - result.done_now
     note = f" ({earlier} of them finished before)" if earlier else ""
     out.print(Text(summary.headline(result.records) + note, style="bold"))

@@ -7,8 +7,8 @@ import click
 
 from wct_plugin.cli import filter_options, formats_of_streams
 from wct_plugin.cli.commands import with_comfort
-from wct_plugin.cli.messages import GOAL_MET, out
-from wct_plugin.cli.output import print_metrics, table
+from wct_plugin.cli.messages import GOAL_MET
+from wct_plugin.cli.output import print_metrics, print_table
 from wct_plugin.cli.progress_bar import progress_bar
 from wct_plugin.errors import OptionError, WctError
 from wct_plugin.pipeline.graph import Step, unplaced_errors
@@ -73,5 +73,5 @@ def create(context: click.Context) -> int:
     """Make the mesh NAME from nothing and write OUT; without NAME, list what there is."""
     if context.invoked_subcommand is None:
         rows = [(name, stage.summary()) for name, stage in _creators().items()]
-        out.print(table("wct create NAME OUT", ("name", "makes"), rows, left=True))
+        print_table("wct create NAME OUT", ("name", "makes"), rows, left=True)
     return GOAL_MET

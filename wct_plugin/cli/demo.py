@@ -8,7 +8,7 @@ import click
 from rich.text import Text
 
 from wct_plugin.cli.messages import out
-from wct_plugin.cli.output import table
+from wct_plugin.cli.output import print_table
 from wct_plugin.errors import OutputError, how_to_install
 from wct_plugin.io import atomic_files
 
@@ -82,7 +82,7 @@ def demo(context: click.Context, folder: str) -> int:
     for name, content in samples.items():
         with atomic_files.replacing(where / name) as temporary:
             temporary.write_bytes(content)
-    out.print(table(f"Samples in {where.resolve()}", ("file", "what it is"), list(SAMPLES.items()), left=True))
+    print_table(f"Samples in {where.resolve()}", ("file", "what it is"), list(SAMPLES.items()), left=True)
 
     command = ["optimize", "bone.ply", "bone.vtu", "--allow-released", *options]
     out.print(Text(f"$ wct {' '.join(command)}", style="bold"), soft_wrap=True)

@@ -5,8 +5,8 @@ from typing import Any
 
 import click
 
-from wct_plugin.cli.messages import GOAL_MET, out
-from wct_plugin.cli.output import check_apart, check_outputs, print_page, table, write_text
+from wct_plugin.cli.messages import GOAL_MET
+from wct_plugin.cli.output import check_apart, check_outputs, print_page, print_table, write_text
 from wct_plugin.errors import WctError
 from wct_plugin.pipeline import stage_page
 from wct_plugin.pipeline.stage import FilterStage, Options, filter_names, find_filter
@@ -46,5 +46,5 @@ def filters(name: str | None, json_path: str | None, markdown_path: str | None) 
         print_page(*found.values())
         return GOAL_MET
     lines = {one: stage.summary() for one, stage in found.items()} | broken
-    out.print(table("Filters", ("filter", "does"), sorted(lines.items()), left=True))
+    print_table("Filters", ("filter", "does"), sorted(lines.items()), left=True)
     return GOAL_MET

@@ -66,14 +66,15 @@ def check_outputs(*paths: str | None) -> None:
 # --- tables ---------------------------------------------------------------------------------------------------------
 
 
-def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> Table:
-    """A table whose columns but the first stand to the right, unless ``left``."""
-    made = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+def print_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, left: bool = False) -> None:
+    """A table whose columns but the first stand to the right, unless ``left``; its title may be wider than it is."""
+    made = Table(box=SIMPLE_HEAD, show_header=any(head))
     for index, name in enumerate(head):
         made.add_column(Text(name), justify="left" if index == 0 or left else "right", overflow="fold")
     for row in rows:
         made.add_row(*(Text(cell) for cell in row))
-    return made
+    out.print(Text(title, style="bold"))
+    out.print(made)
 
 
 _MORE = "--full prints all: tiers, duals, places, histograms, the worst tets"
@@ -86,12 +87,12 @@ def print_short(reports: Sequence[Report], *, worst: bool) -> None:
     summaries = [one.rows_summary() for one in reports]
     names = short_names(reports) if len(reports) > 1 else [""]
     rows = [(one[0][0], *(value for _, value in one)) for one in zip(*summaries, strict=True)]
-    out.print(table("Summary", ("", *names), rows))
+    print_table("Summary", ("", *names), rows)
     for name, report in zip(names, reports, strict=True):
         for note in report.notes:
             out.print(Text(": ".join(filter(None, (name, note)))))
         if worst and report.worst:
-            out.print(table(f"Worst tets{name and f', {name}'}", report.worst_head(), report.rows_worst()))
+            print_table(f"Worst tets{name and f', {name}'}", report.worst_head(), report.rows_worst())
         elif report.worst:
             out.print(Text(": ".join(filter(None, (name, report.worst_line())))))
         _print_certificate(report, name and f", {name}")
@@ -101,15 +102,15 @@ def print_short(reports: Sequence[Report], *, worst: bool) -> None:
 def print_report(report: Report) -> None:
     """Everything a report has."""
     out.print(Text(report.headline(), style="bold"))
-    out.print(table("Ranges", ("", "min", "max"), report.rows_ranges()))
-    out.print(table("Well-centered", ("", "tets", "percent"), report.rows_flags()))
-    out.print(table("Tiers", ("", "", ""), report.rows_tiers(), left=True))
-    out.print(table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows()))
-    out.print(table("What solvers see", SOLVER_HEAD, report.solver_view.rows()))
-    out.print(table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places()))
+    print_table("Ranges", ("", "min", "max"), report.rows_ranges())
+    print_table("Well-centered", ("", "tets", "percent"), report.rows_flags())
+    print_table("Tiers", ("", "", ""), report.rows_tiers(), left=True)
+    print_table("Negative duals", NEGATIVE_HEAD, report.negative_duals.rows())
+    print_table("What solvers see", SOLVER_HEAD, report.solver_view.rows())
+    print_table("Where the bad tets are", ("", "tets", "not 3WC", "not CWC"), report.rows_places())
     _print_histograms([report], "", 40)
     if report.worst:
-        out.print(table("Worst tets", report.worst_head(), report.rows_worst()))
+        print_table("Worst tets", report.worst_head(), report.rows_worst())
     _print_certificate(report, "")
 
 
@@ -121,7 +122,7 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
 
     def beside(title: str, tables: Sequence[Sequence[Sequence[str]]]) -> None:
         rows = [(one[0][0], *(row[1] for row in one)) for one in zip(*tables, strict=True)]
-        out.print(table(title, ("", *names), rows))
+        print_table(title, ("", *names), rows)
 
     beside("Summary", [one.rows_summary() for one in reports])
     beside("Tiers", [one.rows_tiers() for one in reports])
@@ -129,21 +130,21 @@ def print_side_by_side(reports: Sequence[Report]) -> None:
         beside(f"Negative duals {where}", [[(r[0], r[k]) for r in one.negative_duals.rows()] for one in reports])
     for name, one in zip(names, reports, strict=True):
         if len(one.regions) > 1:  # else all is in the summary
-            out.print(table(f"What solvers see, {name}", SOLVER_HEAD, one.solver_view.rows()))
+            print_table(f"What solvers see, {name}", SOLVER_HEAD, one.solver_view.rows())
     for k, kind in ((2, "not 3WC"), (3, "not CWC")):
         beside(f"Where the tets are that are {kind}", [[(r[0], r[k]) for r in one.rows_places()] for one in reports])
     share = out.width // len(reports)
     _print_histograms(reports, "; ".join(names), min(max(share - 12, 6), 40))
     for name, report in zip(names, reports, strict=True):
         if report.worst:
-            out.print(table(f"Worst tets, {name}", report.worst_head(), report.rows_worst()))
+            print_table(f"Worst tets, {name}", report.worst_head(), report.rows_worst())
         _print_certificate(report, f", {name}")
 
 
 def _print_certificate(report: Report, name: str) -> None:
     if report.certificate:
         title = f"Exact certificate{name}, {report.certificate.headline()}"
-        out.print(table(title, certificate.HEAD, report.certificate.rows()))
+        print_table(title, certificate.HEAD, report.certificate.rows())
         for line in report.certificate.lines():
             out.print(Text(line), soft_wrap=True)
 
@@ -158,9 +159,9 @@ def _print_histograms(reports: Sequence[Report], names: str, width: int) -> None
 def print_before_after(before: Report, after: Report) -> None:
     """Two reports side by side, and what is left to do in the second one."""
     rows = [(name, old, new) for (name, old), (_, new) in zip(before.rows_summary(), after.rows_summary(), strict=True)]
-    out.print(table(f"{before.source} -> {after.source}", ("", "before", "after"), rows))
+    print_table(f"{before.source} -> {after.source}", ("", "before", "after"), rows)
     if left := after.left():
-        out.print(table(*left, left=True))
+        print_table(*left, left=True)
     for line in after.why():
         out.print(Text(line))
     for note in after.notes:
@@ -170,7 +171,7 @@ def print_before_after(before: Report, after: Report) -> None:
 def print_result(result: Result) -> None:
     """Each stage of a pipeline with its seconds and mesh, and which goals were met."""
     rows = [(one.stage.type(), one.tag, f"{one.seconds:.1f}", one.size()) for one in result.stages]
-    out.print(table("Stages", ("stage", "tag", "seconds", "mesh"), rows, left=True))
+    print_table("Stages", ("stage", "tag", "seconds", "mesh"), rows, left=True)
     for goal in result.goals:
         out.print(Text(str(goal)))
 
@@ -178,7 +179,7 @@ def print_result(result: Result) -> None:
 def print_metrics(title: str, metrics: Mapping[str, Any]) -> None:
     """What a filter found out, a line per metric."""
     rows = [(name.replace("_", " "), _shown(value)) for name, value in metrics.items()]
-    out.print(table(title, ("", ""), rows))
+    print_table(title, ("", ""), rows)
 
 
 def _shown(value: Any) -> str:
@@ -197,7 +198,7 @@ def print_page(stage: type[FilterStage[Options]]) -> None:
     """One filter's page."""
     out.print(Text(stage.type(), style="bold"), Text(f"({stage_page.takes_and_gives(stage)})"))
     out.print(Text(stage_page.about(stage)))
-    out.print(table("Options", ("option", "default", "allowed", "what"), stage_page.option_rows(stage), left=True))
+    print_table("Options", ("option", "default", "allowed", "what"), stage_page.option_rows(stage), left=True)
     out.print(Text("Example", style="bold"))
     for line in stage_page.example_lines(stage):
         out.print(Text(line), soft_wrap=True)

@@ -17,7 +17,7 @@ from wct_plugin.cli.output import (
     print_report,
     print_short,
     print_side_by_side,
-    table,
+    print_table,
     write_text,
 )
 from wct_plugin.errors import OptionError
@@ -165,5 +165,5 @@ def _print(reports: Sequence[Report | PlanarReport], *, full: bool, worst: bool)
     for one in reports:
         if isinstance(one, PlanarReport):
             out.print(Text(one.headline(), style="bold"))
-            out.print(table("Triangles in a plane", ("", ""), one.rows()))
+            print_table("Triangles in a plane", ("", ""), one.rows())
             out.print(Text(planar.NOT_OPTIMISED.partition(";")[0]))

@@ -40,8 +40,22 @@ def measure_fidelity(
     }
 
 
-def beyond(found: Fidelity, allowed: float) -> dict[str, str]:
-    """What is farther off than ``allowed``, a fraction of the diagonal, in words: by interface, "" for the boundary."""
+def region_names(mesh: TetMesh) -> dict[str, str]:
+    """What the mesh calls its regions, by their tags."""
+    return {str(tag): name for name, (tag, dimension) in mesh.names.items() if dimension == 3}
+
+
+def label(tags: str, names: Mapping[str, str]) -> str:
+    """A region's tag, or those of an interface's two, and their names, where any has one: ``1|2 (silicon|2)``."""
+    parts = tags.split("|")
+    return f"{tags} ({'|'.join(names.get(tag, tag) for tag in parts)})" if any(tag in names for tag in parts) else tags
+
+
+def beyond(found: Fidelity, allowed: float, names: Mapping[str, str]) -> dict[str, str]:
+    """What is farther off than ``allowed``, a fraction of the diagonal, in words: by interface, "" for the boundary.
+
+    ``names``: of regions, by tag.
+    """
     parts = {}
     if found["deviation"]["fraction_of_diagonal"] > allowed:
         parts[""] = (
@@ -49,23 +63,23 @@ def beyond(found: Fidelity, allowed: float) -> dict[str, str]:
         )
     for name, apart in found["interfaces"].items():
         if apart is None:
-            parts[name] = f"the interface {name} is lost"
-        elif apart["fraction_of_diagonal"] > allowed:
-            parts[name] = (
-                f"the interface {name} is {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
-            )
+            parts[name] = f"the interface {label(name, names)} is lost"
+        elif (far := apart["fraction_of_diagonal"]) > allowed:
+            parts[name] = f"the interface {label(name, names)} is {far:.2e} of the diagonal from the old one"
     return parts
 
 
-def describe(volumes: Mapping[str, Quantity], interfaces: Mapping[str, dict[str, float] | None]) -> str:
-    """One line about several regions for the report, empty for one region."""
+def describe(
+    volumes: Mapping[str, Quantity], interfaces: Mapping[str, dict[str, float] | None], names: Mapping[str, str]
+) -> str:
+    """One line about several regions for the report, empty for one region; ``names``: of regions, by tag."""
     if len(volumes) == 1:
         return ""
-    parts = [f"region {tag}: volume {100 * one['change']:+.3f} %" for tag, one in volumes.items()]
+    parts = [f"region {label(tag, names)}: volume {100 * one['change']:+.3f} %" for tag, one in volumes.items()]
     parts += [
-        f"interface {name}: {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
+        f"interface {label(name, names)}: {apart['fraction_of_diagonal']:.2e} of the diagonal from the old one"
         if apart
-        else f"interface {name}: lost"
+        else f"interface {label(name, names)}: lost"
         for name, apart in interfaces.items()
     ]
     return "; ".join(parts)

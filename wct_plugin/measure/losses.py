@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TypedDict
 
 from wct_plugin.measure.conserved import CHANGE, Sharp
-from wct_plugin.measure.fidelity import Fidelity, beyond
+from wct_plugin.measure.fidelity import Fidelity, beyond, label
 from wct_plugin.measure.quantities import Quantity
 from wct_plugin.measure.region_topology import RegionTopology, changes
 from wct_plugin.measure.released_creases import Released
@@ -38,22 +38,23 @@ def find_losses(
     *,
     allowed: float,
     allow_released: bool,
+    names: Mapping[str, str],
 ) -> list[Loss]:
     """Everything that is farther off than it may be; ``allowed``: the tolerance, as a fraction of the diagonal.
 
     ``sides``: how many pairs of periodic sides match, before and after, where they are to. ``allow_released``: creases
-    that were given up, and more edges that bend, are none.
+    that were given up, and more edges that bend, are none. ``names``: of regions, by tag.
     """
     out: list[Loss] = []
     far = {"": kept["deviation"]["fraction_of_diagonal"]} | {
         name: one["fraction_of_diagonal"] if one else float("inf") for name, one in kept["interfaces"].items()
     }
-    for name, phrase in beyond(kept, allowed).items():
+    for name, phrase in beyond(kept, allowed, names).items():
         kind = "interface" if name else "deviation"
         out.append(_loss(kind, name, 0.0, far[name], allowed, f"{phrase}; the tolerance is {allowed:.2e}"))
     for tag, volume in kept["volumes"].items():
         if abs(volume["change"]) > CHANGE:
-            what = "the volume" if len(kept["volumes"]) == 1 else f"the volume of region {tag}"
+            what = "the volume" if len(kept["volumes"]) == 1 else f"the volume of region {label(tag, names)}"
             out.append(_changed("volume", tag, volume, what))
     for name, size in groups.items():
         if not size["after"] and size["before"]:
@@ -72,7 +73,7 @@ def find_losses(
         text = f"{count} crease{' was' if count == 1 else 's were'} given up (allow_released accepts that)"
         out.append(_loss("creases", "", 0.0, float(count), 0.0, text))
     for tag, name, before, after in changes(*topology):
-        text = f"region {tag}: {_TOPOLOGY[name]}: {before} before, {after} now"
+        text = f"region {label(tag, names)}: {_TOPOLOGY[name]}: {before} before, {after} now"
         out.append(_loss("topology", tag, float(before), float(after), float(before), text))
     if sides and sides["after"] < sides["before"]:
         before, after = sides["before"], sides["after"]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from wct_plugin.errors import WctWarning
 from wct_plugin.measure.conserved import measure_groups, measure_sharp
-from wct_plugin.measure.fidelity import measure_fidelity
+from wct_plugin.measure.fidelity import measure_fidelity, region_names
 from wct_plugin.measure.goals import Dual
 from wct_plugin.measure.losses import find_losses
 from wct_plugin.measure.pinned import measure_pinned
@@ -95,6 +95,7 @@ def judge(
         sides if asked.pairs else None,
         allowed=allowed,
         allow_released=asked.allow_released,
+        names=region_names(old),
     )
     for loss in losses:
         warnings.warn(loss["text"], WctWarning, stacklevel=3)

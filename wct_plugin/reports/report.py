@@ -288,7 +288,7 @@ def make_report(
         remaining=found.get("remaining"),
         shape=found.get("shape"),
         certificate=certificate.certify(mesh) if exact else None,
-        notes=_notes(found, joints, coincident),
+        notes=_notes(found, joints, coincident, fidelity.region_names(mesh)),
     )
 
 
@@ -302,13 +302,15 @@ def _histograms(mesh: TetMesh, measured: quality.Quality) -> dict[str, NDArray[n
     return {name: _counts(name, each) for name, each in values.items()}
 
 
-def _notes(found: Mapping[str, Any], joints: Joints, coincident: Coincident) -> tuple[str, ...]:
+def _notes(
+    found: Mapping[str, Any], joints: Joints, coincident: Coincident, names: Mapping[str, str]
+) -> tuple[str, ...]:
     lines = (
         describe_coincident(coincident),
         describe_joints(joints),
         "the mesh meets the goal already; it stays as it is (--force makes it anew)" if found.get("kept") else "",
         shape_floor.describe(found["shape"]) if "shape" in found else "",
-        fidelity.describe(found["volumes"], found["interfaces"]) if "volumes" in found else "",
+        fidelity.describe(found["volumes"], found["interfaces"], names) if "volumes" in found else "",
         released_creases.describe(found["released"]) if "released" in found else "",
         pinned.describe(found["pinned"]) if "pinned" in found else "",
         planes.describe(found["planes"]) if found.get("planes") else "",
@@ -325,7 +327,8 @@ def _pairs(found: Mapping[str, int]) -> str:
     before, after = found["before"], found["after"]
     if after >= before:
         return f"{after} pair{'' if after == 1 else 's'} of sides match, vertex for vertex"
-    return f"{before} pairs of sides matched, vertex for vertex; {after} do now (--periodic keeps them)"
+    count = f"{before} pair{'' if before == 1 else 's'} of sides matched"
+    return f"{count}, vertex for vertex; {after} do now (--periodic keeps them)"
 
 
 def _deviation(mesh: TetMesh) -> dict[str, float] | None:
