@@ -17,6 +17,17 @@ namespace wct::sampling {
 
 namespace {
 
+/// Where the work on a start stands, of 1, when its parts begin; map and sizes come first. About: it is for those who
+/// wait.
+struct Milestones {
+    double trials, relaxation, rounds;
+};
+constexpr Milestones kPlain{0.4, 0.45, 0.77}, kTried{0.2, 0.5, 0.78};
+
+double between(double from, double to, int done, int all) {
+    return from + (to - from) * static_cast<double>(done) / all;
+}
+
 /// Points whose surface edges cut across a bend, but for those of sharp edges, which are far from the next.
 std::vector<char> curved_points(const Cloud &cloud, const domain::Reference &reference,
                                 const domain::SharpEdges &sharp) {
@@ -125,7 +136,7 @@ class Resampling : Task {
           smooth_(is_smooth(reference)), tolerance_(options.sizing.tolerance),
           fit_{options.fit_target * tolerance_, options.fit_weight, options.fit_pull, options.shell * tolerance_},
           correction_(reference.data().points.size(), 0.0), ceiling_(sizing.surface),
-          euler_(geometry::euler_characteristics(mesh.tets, mesh.region)) {}
+          euler_(geometry::euler_characteristics(mesh.tets, mesh.region)), stands_(trials() > 0 ? kTried : kPlain) {}
 
     /// Learn from meshes that are relaxed for a few sweeps only.
     void try_out();
@@ -136,6 +147,8 @@ class Resampling : Task {
     std::vector<int> lost(const Start &start) const;
 
   private:
+    /// How many: sizes do where nearly all came right.
+    int trials() const { return curved_ && !renewal ? options.trials : 0; }
     Cloud seeds();
     /// Spread the points evenly for their sizes, and fill holes: on smooth bodies with momentum at first, but for a
     /// trial. Where there are creases or parts, starts have a fourth fewer bad tets with it too, but end no sooner:
@@ -171,6 +184,8 @@ class Resampling : Task {
     std::vector<int> euler_;         // characteristics of the regions
     std::vector<Vec3> direction_;    // see retract_to_shell
     delaunay::MovingDelaunay moving_;
+    Milestones stands_;
+    int tried_ = 0; // sweeps of trials so far
 };
 
 Cloud Resampling::seeds() {
@@ -202,7 +217,9 @@ Cloud Resampling::relaxed(Cloud cloud, bool trial) {
             held->clear(cloud);
         if (sweep % options.refresh_every == options.refresh_every - 1)
             refresh_sizes(cloud, sizing_, workers);
-        monitor.report(0.0); // a sweep takes far longer than so many evaluations
+        monitor.report(
+            trial ? between(stands_.trials, stands_.relaxation, ++tried_, options.trials * options.trial_sweeps)
+                  : between(stands_.relaxation, stands_.rounds, sweep + 1, options.sweeps));
         if (settling && !steady && moved < options.still)
             break;
         if (!settling && (moved < options.calm || left <= options.settling)) {
@@ -214,8 +231,8 @@ Cloud Resampling::relaxed(Cloud cloud, bool trial) {
 }
 
 void Resampling::try_out() {
-    const int trials = curved_ && !renewal ? options.trials : 0; // sizes do where nearly all came right
-    for (int trial = 0; trial < trials && !monitor.stopped(); ++trial) {
+    monitor.report(stands_.trials);
+    for (int trial = 0; trial < trials() && !monitor.stopped(); ++trial) {
         Cloud cloud = relaxed(seeds(), true);
         if (monitor.stopped())
             break;
@@ -291,7 +308,7 @@ std::optional<Start> Resampling::improve(Cloud cloud) {
             break;
         monitor.set_bad(static_cast<std::int64_t>(best->tally.bad));
         move_downhill(cloud, complex, ties);
-        monitor.report(static_cast<double>(round) / options.rounds);
+        monitor.report(between(stands_.rounds, 1.0, round + 1, options.rounds));
     }
     return best;
 }

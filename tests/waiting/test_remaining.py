@@ -35,6 +35,17 @@ def test_a_start_takes_time_by_its_tets():
     assert later == pytest.approx(PER_TET * 50_000 - 1.0)
 
 
+def test_what_is_done_of_a_start_tells_more_than_its_tets():
+    """The same mesh ten times as fast as by its tets; in the middle seeds are laid out, which do not say what is done."""
+    end = PER_TET * 100_000 / 10.0
+    start = 0.6 * end
+    said = [(done * start, Progress("resampling", done, 900, 100_000)) for done in (0.2, 0.45, 0.0, 0.9)]
+    said[2] = (0.45 * start, said[2][1])
+    times = [now for now, _ in said]
+    for now, left in zip(times, heard(*said), strict=True):
+        assert now + left == pytest.approx(end)
+
+
 @pytest.mark.parametrize("per_second", [0.1, 0.5, 2.0])
 def test_kicks_that_leave_fewer_and_fewer_tets_end_within_twice_what_is_said(per_second):
     """From 100 bad tets, fewer by the same factor every second, until none is left."""

@@ -11,8 +11,10 @@ from dataclasses import dataclass, field
 from wct_plugin.progress import Progress
 
 #: Seconds per tet of a start: for all of the work, and for making the start, as measured on ordinary meshes.
-PER_TET = 4.0e-4
+PER_TET = 2.5e-4
 _PER_TET_OF_START = 1.5e-4
+#: Of all of the time: what making the start takes, .4 to .9 where it is long, and what of it must be done to count alone.
+_START, _SURE = 0.6, 0.2
 #: After the sweeps: seconds for each bad tet that is left, on the machine that the others were measured on.
 _PER_BAD = 0.08
 #: The part of the bad tets that all sweeps together leave.
@@ -32,6 +34,7 @@ class Remaining:
     _searching: float | None = None  #: when the first search began
     _kicks: "_Decline | None" = None
     _starts: int = field(default=0)
+    _made: float = field(default=0.0)  #: how much of the start is, at most: what is between says 0
 
     def hear(self, state: Progress, now: float) -> None:
         """Hear where it stands."""
@@ -40,6 +43,9 @@ class Remaining:
         phase = state.stage
         if phase == "resampling" and before != phase:
             self._starts += 1
+            self._made = 0.0
+        if phase == "resampling":
+            self._made = max(self._made, state.done)
         if phase.startswith("local search") and self._searching is None:
             self._searching = now
         if phase != "local search: kicks":
@@ -65,7 +71,7 @@ class Remaining:
         if state.stage == "resampling" and self._starts > 1:
             return _AGAIN * gone
         if self._searching is None:
-            return None if state.expected is None else max(PER_TET * state.expected - gone, last)
+            return None if state.expected is None else max(_of_start(self._made, state.expected, gone) - gone, last)
         if state.stage == "local search: passes":
             left = (state.bad or 0) * math.pow(_SWEPT, 1.0 - state.done)
             return last + _PER_BAD * self._slowness(state) * left
@@ -79,6 +85,12 @@ class Remaining:
         if self._searching is None or not state.expected:
             return 1.0
         return max((self._searching - self.began) / (_PER_TET_OF_START * state.expected), 0.1)
+
+
+def _of_start(done: float, tets: int, gone: float) -> float:
+    """Seconds that all of it takes, by what is done of the start and how many tets it will have."""
+    sure = min(done / _SURE, 1.0)
+    return (1.0 - sure) * PER_TET * tets + (sure * gone / (_START * done) if done else 0.0)
 
 
 @dataclass(frozen=True)
