@@ -13,7 +13,7 @@ from wct_plugin.progress import Progress
 #: Seconds per tet of a start: for all of the work, and for making the start, as measured on ordinary meshes.
 PER_TET = 2.5e-4
 _PER_TET_OF_START = 1.5e-4
-#: Of all of the time: what making the start takes, .4 to .9 where it is long, and what of it must be done to count alone.
+#: What making the start takes of all of the time, .4 to .9 where it is long; what must be done of it to count alone.
 _START, _SURE = 0.6, 0.2
 #: After the sweeps: seconds for each bad tet that is left, on the machine that the others were measured on.
 _PER_BAD = 0.08
