@@ -127,7 +127,7 @@ bool Domain::any_moves(std::span<const std::int32_t> corners) const {
 
 bool Domain::curved(std::int32_t support) const {
     const Support &s = supports_[static_cast<std::size_t>(support)];
-    return std::holds_alternative<geometry::BoundingTree<3>>(s) || std::holds_alternative<geometry::BoundingTree<2>>(s);
+    return std::holds_alternative<geometry::PieceTree<3>>(s) || std::holds_alternative<geometry::PieceTree<2>>(s);
 }
 
 void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches) {
@@ -143,10 +143,11 @@ void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std:
 
 void Domain::add_watched(const Watched &watched, const Problem &problem, Known &known) {
     watched_.push_back(watched);
-    covered_.emplace_back();
+    int &first = covered_.first.emplace_back(-1);
     for (const auto corner : watched.corners)
         if (watched.covers && corner >= 0 && known.insert({watched.support, corner}).second) {
-            covered_.back().push_back(static_cast<std::int32_t>(landmarks_.size()));
+            const auto owner = static_cast<std::int32_t>(watched_.size()) - 1;
+            covered_.owners.own(covered_.owners.add(), owner, first);
             landmarks_.push_back(problem.points[static_cast<std::size_t>(corner)]);
         }
 }
@@ -253,16 +254,16 @@ bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
             return false;
     handed_.clear();
     for (const auto i : star)
-        for (const auto l : covered_[static_cast<std::size_t>(i)]) {
+        for (int l = covered_.first[static_cast<std::size_t>(i)]; l >= 0; l = covered_.owners.next(l)) {
             const std::int32_t to = cover(i, landmarks_[static_cast<std::size_t>(l)], point, points);
             if (to < 0)
                 return false;
             if (to != i)
-                handed_.push_back({l, i, to});
+                handed_.push_back({l, to});
         }
-    for (const auto &[l, from, to] : handed_) {
-        std::erase(covered_[static_cast<std::size_t>(from)], l);
-        covered_[static_cast<std::size_t>(to)].push_back(l);
+    for (const auto &[l, to] : handed_) {
+        covered_.owners.disown(l, covered_.first[static_cast<std::size_t>(covered_.owners.owner(l))]);
+        covered_.owners.own(l, to, covered_.first[static_cast<std::size_t>(to)]);
     }
     return true;
 }
@@ -293,7 +294,7 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
         if (flat)
             return plane;
     }
-    return geometry::BoundingTree<3>(std::move(triangles));
+    return geometry::PieceTree<3>(std::move(triangles));
 }
 
 Domain::Support Domain::support_of(std::vector<std::array<Vec3, 2>> segments) {
@@ -315,7 +316,7 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 2>> segments) {
         if (straight)
             return line;
     }
-    return geometry::BoundingTree<2>(std::move(segments));
+    return geometry::PieceTree<2>(std::move(segments));
 }
 
 Vec3 Domain::retract(std::int32_t point, const Vec3 &x) {
@@ -342,12 +343,12 @@ Vec3 Domain::tangential(std::int32_t point, const Vec3 &x, const Vec3 &v) {
     return std::visit(Overload{
                           [&](const Plane &plane) { return v - dot(v, plane.normal) * plane.normal; },
                           [&](const Line &line) { return dot(v, line.direction) * line.direction; },
-                          [&](const geometry::BoundingTree<3> &tree) {
+                          [&](const geometry::PieceTree<3> &tree) {
                               last = tree.closest(x, last).piece;
                               const Vec3 n = unit(normal_of(tree.pieces()[static_cast<std::size_t>(last)]));
                               return v - dot(v, n) * n;
                           },
-                          [&](const geometry::BoundingTree<2> &tree) {
+                          [&](const geometry::PieceTree<2> &tree) {
                               last = tree.closest(x, last).piece;
                               const auto &[a, b] = tree.pieces()[static_cast<std::size_t>(last)];
                               const Vec3 d = unit(b - a);

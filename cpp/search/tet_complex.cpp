@@ -128,28 +128,15 @@ void TetComplex::count_over(const Facet &key, int change) {
         over_at_[v] += change;
 }
 
-void TetComplex::own(int landmark, const Facet &owner) {
-    SurfaceFacet &facet = surface_.at(owner);
-    landmarks_[landmark] = {owner, facet.landmark, -1};
-    if (facet.landmark >= 0)
-        landmarks_[facet.landmark].previous = landmark;
-    facet.landmark = landmark;
-}
-
-void TetComplex::disown(int landmark) {
-    const Landmark &gone = landmarks_[landmark];
-    if (gone.previous >= 0)
-        landmarks_[gone.previous].next = gone.next;
-    else
-        surface_.at(gone.owner).landmark = gone.next;
-    if (gone.next >= 0)
-        landmarks_[gone.next].previous = gone.previous;
+void TetComplex::move_landmark(int landmark, const Facet &owner) {
+    landmarks_.disown(landmark, surface_.at(landmarks_.owner(landmark)).landmark);
+    landmarks_.own(landmark, owner, surface_.at(owner).landmark);
 }
 
 void TetComplex::add_landmark(const std::optional<Facet> &owner) {
-    landmarks_.emplace_back();
+    const int landmark = landmarks_.add();
     if (owner)
-        own(static_cast<int>(landmarks_.size()) - 1, *owner);
+        landmarks_.own(landmark, *owner, surface_.at(*owner).landmark);
 }
 
 void TetComplex::forget_landmarks() {
@@ -159,11 +146,10 @@ void TetComplex::forget_landmarks() {
 }
 
 void TetComplex::hand_landmark(int landmark, const Facet &owner) {
-    if (landmarks_[landmark].owner == owner)
+    if (landmarks_.owner(landmark) == owner)
         return;
-    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_[landmark].owner});
-    disown(landmark);
-    own(landmark, owner);
+    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_.owner(landmark)});
+    move_landmark(landmark, owner);
 }
 
 void TetComplex::put_facet(const Facet &key, int patch, double over) {
@@ -330,8 +316,7 @@ void TetComplex::rollback() {
             break;
         }
         case Kind::handed_landmark:
-            disown(entry.index);
-            own(entry.index, entry.key);
+            move_landmark(entry.index, entry.key);
             break;
         case Kind::added_crease:
             creases_.erase({entry.key[0], entry.key[1]});

@@ -2,6 +2,7 @@
 
 #include "base/cells.h"
 #include "base/vec3.h"
+#include "geometry/landmark_owners.h"
 #include "search/checks.h"
 
 #include <array>
@@ -109,8 +110,8 @@ class TetComplex {
     }
     bool ruled_out(int t) const;
     /// Landmarks of the surface, each owned by the facet that covers it: the one after, or -1.
-    int next_landmark(int landmark) const { return landmarks_[landmark].next; }
-    const Facet &landmark_owner(int landmark) const { return landmarks_[landmark].owner; }
+    int next_landmark(int landmark) const { return landmarks_.next(landmark); }
+    const Facet &landmark_owner(int landmark) const { return landmarks_.owner(landmark); }
     /// A new landmark (the next number), and a change of its owner. Both facets must be there, and a facet must have
     /// handed on its landmarks before it is removed.
     void add_landmark(const std::optional<Facet> &owner);
@@ -174,15 +175,10 @@ class TetComplex {
     void note(Entry entry);
     /// The surface facet with these corners, nullptr where there is none.
     const SurfaceFacet *surface_facet(int a, int b, int c) const;
-    struct Landmark {
-        Facet owner;
-        int next, previous; // in the list of the owner's; -1 at its ends
-    };
     void count_over(const Facet &key, int change);
     void put_facet(const Facet &key, int patch, double over);
     void drop_facet(const Facet &key);
-    void own(int landmark, const Facet &owner);
-    void disown(int landmark);
+    void move_landmark(int landmark, const Facet &owner);
     void unlink(int t);
     void link(int t);
 
@@ -197,7 +193,7 @@ class TetComplex {
     bool any_ruled_out_ = false;
     std::vector<int> over_at_; // per vertex: its facets beyond the tolerance
     int over_count_ = 0;
-    std::vector<Landmark> landmarks_;
+    geometry::LandmarkOwners<Facet> landmarks_;
     std::unordered_map<Edge, int, KeyHash> creases_;
     std::size_t alive_count_ = 0;
     double total_ = 0.0;
