@@ -21,7 +21,7 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
     out.surface.creases.clear();
     out.surface.curve.clear();
     for (const auto &[a, b, curve] : points.segments()) {
-        out.surface.creases.push_back({std::min(a, b), std::max(a, b)});
+        out.surface.creases.push_back(sorted(a, b));
         out.surface.curve.push_back(curve);
     }
     out.points = cloud.points;

@@ -89,7 +89,7 @@ void Round::take_in_flat() {
 void Round::peel() {
     std::vector<Edge> kept; // no crease may be lost
     for (const Segment &s : points_.segments())
-        kept.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
+        kept.push_back(sorted(s.a, s.b));
     std::sort(kept.begin(), kept.end());
     std::vector<char> flipped(spheres_.size(), 0);
     std::vector<int> queue;
@@ -152,13 +152,13 @@ void Round::mend_creases() {
             for (const auto &[i, j] : kEdges) {
                 const int a = complex_.all.tets[t][i], b = complex_.all.tets[t][j];
                 if (!inside(a) && !inside(b))
-                    edges.push_back({std::min(a, b), std::max(a, b)});
+                    edges.push_back(sorted(a, b));
             }
     std::sort(edges.begin(), edges.end());
     std::vector<std::size_t> missing;
     for (std::size_t k = 0; k < points_.segments().size(); ++k) {
         const auto &[a, b, curve] = points_.segments()[k];
-        if (!std::binary_search(edges.begin(), edges.end(), std::array{std::min(a, b), std::max(a, b)}))
+        if (!std::binary_search(edges.begin(), edges.end(), sorted(a, b)))
             missing.push_back(k);
     }
     faults_.creases = missing.size();

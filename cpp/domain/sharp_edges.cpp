@@ -18,17 +18,17 @@ SharpEdges::SharpEdges(const Reference &reference, bool outside)
     const auto &data = reference.data();
     std::map<Edge, std::vector<int>> around; // crease edge -> triangles
     for (const auto &[v, w] : data.segments)
-        around[{std::min(v, w), std::max(v, w)}];
+        around[sorted(v, w)];
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (int k = 0; k < 3; ++k) {
             const int v = data.triangles[t][k], w = data.triangles[t][(k + 1) % 3];
-            if (const auto found = around.find({std::min(v, w), std::max(v, w)}); found != around.end())
+            if (const auto found = around.find(sorted(v, w)); found != around.end())
                 found->second.push_back(static_cast<int>(t));
         }
     std::vector<geometry::Box> boxes;
     for (std::size_t s = 0; s < data.segments.size(); ++s) {
         const auto &[v, w] = data.segments[s];
-        const auto &own = around[{std::min(v, w), std::max(v, w)}];
+        const auto &own = around[sorted(v, w)];
         if (own.size() != 2 || data.sides[data.patch[own[0]]] != data.sides[data.patch[own[1]]])
             continue;
         const Vec3 &n = reference.normal(own[0]), &m = reference.normal(own[1]);

@@ -178,7 +178,7 @@ void Sizing::limit_by_bends() {
     for (int t = 0; t < static_cast<int>(data.triangles.size()); ++t)
         for (int k = 0; k < 3 && !reference_.planar(data.patch[t]); ++k) {
             const int from = reference_.wedge(t, k), to = reference_.wedge(t, (k + 1) % 3);
-            sides.push_back({{std::min(from, to), std::max(from, to)}, t, from < to});
+            sides.push_back({sorted(from, to), t, from < to});
         }
     std::sort(sides.begin(), sides.end(),
               [](const Side &a, const Side &b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });

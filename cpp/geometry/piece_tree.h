@@ -212,7 +212,7 @@ template <std::size_t corners> class PieceTree {
 
     BoxTree tree_;
     std::vector<Piece> pieces_;
-    std::vector<TriangleFrame> frames_; // of triangles
+    std::vector<TriangleFrame> frames_;                         // of triangles
     std::vector<std::array<std::int32_t, corners>> neighbours_; // of each piece; -1: none
 };
 

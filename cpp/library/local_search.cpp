@@ -43,7 +43,7 @@ std::vector<double> edge_lengths(const domain::InputMesh &mesh) {
     std::vector<Edge> edges;
     for (const auto &tet : mesh.tets)
         for (const auto &[i, k] : kEdges)
-            edges.push_back(search::sorted(tet[i], tet[k]));
+            edges.push_back(sorted(tet[i], tet[k]));
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     std::vector<double> sum(mesh.points.size(), 0.0), count(mesh.points.size(), 0.0);

@@ -59,11 +59,9 @@ unsigned hiding_facets(const Cloud &cloud, const domain::Reference &reference, c
     if (!std::all_of(tet.begin(), tet.end(), [&](int v) { return on_curved(cloud, reference, v); }))
         return 0;
     unsigned bits = 0;
-    for (int i = 0; i < 4; ++i) {
-        const auto &f = kOutward[i];
-        if (shared_patches(cloud, reference, std::array{tet[f[0]], tet[f[1]], tet[f[2]]}).empty())
+    for (int i = 0; i < 4; ++i)
+        if (shared_patches(cloud, reference, outward_facet(tet, i)).empty())
             bits |= 1u << i;
-    }
     return bits;
 }
 
@@ -195,8 +193,7 @@ void find_double_fans(const RegionSurfaces &surfaces, DisjointSets &fans, std::v
 } // namespace
 
 Facet RestrictedDelaunay::facet(int t, int i) const {
-    const auto &tet = all.tets[t];
-    return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
+    return outward_facet(all.tets[t], i);
 }
 
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,

@@ -86,7 +86,7 @@ class Inspection {
 
     void facet(int t, int i) const {
         const Tet &tet = complex_.tet(t);
-        const int a = tet[kFacets[i][0]], b = tet[kFacets[i][1]], c = tet[kFacets[i][2]];
+        const auto [a, b, c] = inward_facet(tet, i);
         const Facet key = sorted(a, b, c);
         int others = 0, other = -1;
         for (const int s : complex_.star(a))

@@ -94,7 +94,7 @@ bool Operators::pull_facets(int a, int b) {
             return false;
         if (complex_.patch_of(facet[0], facet[1], facet[2]) >= 0)
             return false; // two sheets would become one
-        watch_.comes(sorted(facet[0], facet[1], facet[2]), at.facet->patch);
+        watch_.comes(sorted(facet), at.facet->patch);
     }
     return true;
 }

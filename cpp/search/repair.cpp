@@ -110,7 +110,7 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
             chosen = Facet{tet[p], tet[q], tet[r]};
     if (!chosen)
         return std::nullopt;
-    const Facet key = sorted((*chosen)[0], (*chosen)[1], (*chosen)[2]);
+    const Facet key = sorted(*chosen);
     if (const auto peak = operators_.farthest(key))
         return operators_.refine(key, *peak, slack);
     Vec3 x;

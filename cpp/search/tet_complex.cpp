@@ -7,20 +7,6 @@
 
 namespace wct::search {
 
-Edge sorted(int a, int b) {
-    return a < b ? Edge{a, b} : Edge{b, a};
-}
-
-Facet sorted(int a, int b, int c) {
-    if (a > b)
-        std::swap(a, b);
-    if (b > c)
-        std::swap(b, c);
-    if (a > b)
-        std::swap(a, b);
-    return {a, b, c};
-}
-
 std::size_t KeyHash::operator()(const Edge &key) const {
     return mix((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1]));
 }
@@ -75,7 +61,7 @@ void TetComplex::surface_at(int v, std::vector<SurfaceAt> &facets) const {
         for (int i = 0; i < 4; ++i) {
             if (tet[i] == v)
                 continue;
-            const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
+            const Facet key = sorted(inward_facet(tet, i));
             const SurfaceFacet *facet = surface_facet(key[0], key[1], key[2]);
             if (facet && std::none_of(facets.begin(), facets.end(),
                                       [&](const SurfaceAt &known) { return same(known.key, key); }))

@@ -15,10 +15,7 @@
 
 namespace wct::search {
 
-/// Vertices of an edge or facet in ascending order: the key under which creases and surface facets are found.
-Edge sorted(int a, int b);
-Facet sorted(int a, int b, int c);
-
+/// Of the keys under which creases and surface facets are found: their vertices in ascending order.
 struct KeyHash {
     std::size_t operator()(const Edge &key) const;
     std::size_t operator()(const Facet &key) const;

@@ -83,7 +83,7 @@ TEST_CASE("Search: a fixed surface keeps every facet, and no more tets come than
     options.most = body.tets.size() + 5;
     std::vector<Facet> wanted, left;
     for (const Facet &f : body.facets)
-        wanted.push_back(search::sorted(f[0], f[1], f[2]));
+        wanted.push_back(sorted(f[0], f[1], f[2]));
     std::sort(wanted.begin(), wanted.end());
     const Searched made = searched(pinned(body), body, 0.02, options);
     for (const auto &[key, patch] : made.complex.sorted_surface())
