@@ -29,11 +29,7 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
     out.role = cloud.role;
     out.size = cloud.size;
     out.label = cloud.label;
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-        if (complex.region[t] >= 0) {
-            out.tets.push_back(complex.all.tets[t]);
-            out.region.push_back(complex.region[t]);
-        }
+    complex.append_inside(out.tets, out.region);
     return out;
 }
 

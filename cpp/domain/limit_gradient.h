@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/sort_unique.h"
 #include "base/vec3.h"
 
 #include <algorithm>
@@ -43,8 +44,7 @@ std::vector<std::vector<int>> neighbours(const std::vector<std::array<int, n>> &
                 if (v != w)
                     around[v].push_back(w);
     for (auto &list : around) {
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
+        sort_unique(list);
     }
     return around;
 }

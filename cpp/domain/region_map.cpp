@@ -10,13 +10,7 @@
 
 namespace wct::domain {
 
-namespace {
-
-double det(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
-    return dot(cross(b - a, c - a), d - a);
-}
-
-} // namespace
+namespace {} // namespace
 
 RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(mesh), reference_(reference) {
     std::vector<geometry::Box> boxes;
@@ -26,7 +20,7 @@ RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(
             box.add(mesh.points[v]);
         boxes.push_back(box);
         const auto &[a, b, c, d] = mesh.tets[t];
-        volume_.push_back(det(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
+        volume_.push_back(six_volumes(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
     }
     tets_ = geometry::BoxTree(boxes);
     boxes.clear();
@@ -66,8 +60,8 @@ Place RegionMap::find(const Vec3 &p) const {
                     constexpr double slack = 1e-12; // of the volume, so that no point falls between two tets
                     const double least = -slack * volume_[t];
                     double w[4];
-                    if ((w[0] = det(p, pb, pc, pd)) < least || (w[1] = det(pa, p, pc, pd)) < least ||
-                        (w[2] = det(pa, pb, p, pd)) < least || (w[3] = det(pa, pb, pc, p)) < least)
+                    if ((w[0] = six_volumes(p, pb, pc, pd)) < least || (w[1] = six_volumes(pa, p, pc, pd)) < least ||
+                        (w[2] = six_volumes(pa, pb, p, pd)) < least || (w[3] = six_volumes(pa, pb, pc, p)) < least)
                         return false;
                     place.tet = static_cast<int>(t);
                     const double sum = w[0] + w[1] + w[2] + w[3];

@@ -1,5 +1,6 @@
 #include "sampling/crease_recovery.h"
 
+#include "base/sort_unique.h"
 #include "sampling/curve_chains.h"
 #include "sampling/held_surface.h"
 
@@ -29,8 +30,7 @@ Edges possible_creases(const Cloud &cloud, const domain::Reference &reference, c
             if (complex.region[t] >= 0 && (wire[v] || wire[w]))
                 edges.push_back(sorted(v, w));
         }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sort_unique(edges);
     return edges;
 }
 

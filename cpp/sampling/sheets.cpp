@@ -1,5 +1,6 @@
 #include "sampling/sheets.h"
 
+#include "base/sort_unique.h"
 #include "sampling/curve_chains.h"
 
 #include <algorithm>
@@ -146,8 +147,7 @@ std::vector<int> piercing_points(const Cloud &cloud, const domain::Reference &re
             if (is_on(reference, patch[v], reference.nearest(through, patch[v]).distance, edge))
                 out.push_back(std::fabs(above) < std::fabs(below) ? v : w);
         }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    sort_unique(out);
     return out;
 }
 

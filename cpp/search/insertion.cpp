@@ -1,5 +1,6 @@
 // Adding a vertex in the middle of a cavity, inside or on the surface.
 
+#include "base/sort_unique.h"
 #include "search/operators.h"
 
 #include "geometry/circumspheres.h"
@@ -224,8 +225,7 @@ void Operators::start_cavity(const std::vector<Facet> &open) {
         for (int t : complex_.star(f[0]))
             if (complex_.has(t, f[1]) && complex_.has(t, f[2]))
                 cavity_.push_back(t);
-    std::sort(cavity_.begin(), cavity_.end());
-    cavity_.erase(std::unique(cavity_.begin(), cavity_.end()), cavity_.end());
+    sort_unique(cavity_);
 }
 
 std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &near, double slack) {

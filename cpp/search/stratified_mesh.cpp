@@ -66,17 +66,11 @@ void expect_conforming(const StratifiedMesh &mesh) {
 }
 
 void expect_kept(const TetComplex &complex) {
-    const auto of_a_tet = [&](const auto &cell) {
-        const auto &star = complex.star(cell[0]);
-        return std::any_of(star.begin(), star.end(), [&](int t) {
-            return std::all_of(cell.begin(), cell.end(), [&](int v) { return complex.has(t, v); });
-        });
-    };
     for (const auto &[facet, patch] : complex.sorted_surface())
-        if (!of_a_tet(facet))
+        if (!complex.has_cell(facet))
             throw std::logic_error("the search lost facet " + text(facet) + " of patch " + std::to_string(patch));
     for (const auto &[edge, curve] : complex.creases())
-        if (!of_a_tet(edge))
+        if (!complex.has_cell(edge))
             throw std::logic_error("the search lost edge " + text(edge) + " of curve " + std::to_string(curve));
 }
 
@@ -124,9 +118,7 @@ StratifiedMesh mesh_of(const TetComplex &complex) {
         mesh.facets.push_back({place[key[0]], place[key[1]], place[key[2]]});
         mesh.facet_patch.push_back(patch);
     }
-    std::vector<std::pair<Edge, int>> curves(complex.creases().begin(), complex.creases().end());
-    std::sort(curves.begin(), curves.end());
-    for (const auto &[key, curve] : curves) {
+    for (const auto &[key, curve] : complex.sorted_creases()) {
         mesh.creases.push_back({place[key[0]], place[key[1]]});
         mesh.crease_curve.push_back(curve);
     }

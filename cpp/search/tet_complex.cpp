@@ -1,6 +1,7 @@
 #include "search/tet_complex.h"
 
 #include "base/random.h"
+#include "base/sort_unique.h"
 
 #include <algorithm>
 #include <iterator>
@@ -77,6 +78,12 @@ std::vector<std::pair<Facet, int>> TetComplex::sorted_surface() const {
         facets.push_back({key, facet.patch});
     std::sort(facets.begin(), facets.end());
     return facets;
+}
+
+std::vector<std::pair<Edge, int>> TetComplex::sorted_creases() const {
+    std::vector<std::pair<Edge, int>> creases(creases_.begin(), creases_.end());
+    std::sort(creases.begin(), creases.end());
+    return creases;
 }
 
 void TetComplex::sort_worst_first(std::vector<int> &tets) const {
@@ -323,8 +330,7 @@ void TetComplex::changed(std::vector<int> &tets) const {
         if (kind == Kind::added_tet || kind == Kind::removed_tet || kind == Kind::set_energy)
             tets.push_back(journal_[k].index);
     }
-    std::sort(tets.begin(), tets.end());
-    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    sort_unique(tets);
 }
 
 void TetComplex::resum() {

@@ -5,6 +5,7 @@
 #include "geometry/landmark_owners.h"
 #include "search/checks.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -73,6 +74,13 @@ class TetComplex {
     /// Sum over the living tets, kept up to date.
     double total() const { return total_; }
     bool has(int t, int v) const;
+    /// Whether a tet has all of these vertices, as those of an edge or facet.
+    template <class Cell> bool has_cell(const Cell &cell) const {
+        const std::vector<int> &star = stars_[cell[0]];
+        return std::any_of(star.begin(), star.end(), [&](int t) {
+            return std::all_of(cell.begin(), cell.end(), [&](int v) { return has(t, v); });
+        });
+    }
     /// The tet across facet {a, b, c} of t, or -1.
     int across(int t, int a, int b, int c) const;
 
@@ -120,6 +128,8 @@ class TetComplex {
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
     const std::unordered_map<Edge, int, KeyHash> &creases() const { return creases_; }
+    /// The creases and their curves, in the order of their keys.
+    std::vector<std::pair<Edge, int>> sorted_creases() const;
 
     int add_vertex(const Vertex &vertex);
     void move(int v, const Vec3 &position);
