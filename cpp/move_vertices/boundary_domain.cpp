@@ -55,7 +55,7 @@ template <class... Functions> struct Overload : Functions... {
 
 } // namespace
 
-Domain::Domain(const Problem &problem, double tolerance)
+BoundaryDomain::BoundaryDomain(const Problem &problem, double tolerance)
     : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0), tolerance_(tolerance),
       limit_(square(kShares.at * tolerance)), offsets_(problem.points.size() + 1, 0) {
     auto triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
@@ -92,8 +92,8 @@ Domain::Domain(const Problem &problem, double tolerance)
         watch(problem, patches, curves);
 }
 
-void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
-                   const std::map<std::int64_t, std::int32_t> &curves) {
+void BoundaryDomain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
+                           const std::map<std::int64_t, std::int32_t> &curves) {
     support_creases(problem, patches);
     std::set<std::array<std::int32_t, 3>> edges; // patch, ends
     Known known;
@@ -121,16 +121,16 @@ void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> 
     list_watched();
 }
 
-bool Domain::any_moves(std::span<const std::int32_t> corners) const {
+bool BoundaryDomain::any_moves(std::span<const std::int32_t> corners) const {
     return std::any_of(corners.begin(), corners.end(), [this](std::int32_t corner) { return moves(corner); });
 }
 
-bool Domain::curved(std::int32_t support) const {
+bool BoundaryDomain::curved(std::int32_t support) const {
     const Support &s = supports_[static_cast<std::size_t>(support)];
     return std::holds_alternative<geometry::PieceTree<3>>(s) || std::holds_alternative<geometry::PieceTree<2>>(s);
 }
 
-void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches) {
+void BoundaryDomain::support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches) {
     std::map<std::int64_t, std::vector<std::array<Vec3, 3>>> triangles;
     for (std::size_t i = 0; i < problem.triangles.size(); ++i)
         if (any_moves(problem.triangles[i]) && !patches.contains(problem.triangle_patch[i])) {
@@ -141,7 +141,7 @@ void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std:
         }
 }
 
-void Domain::add_watched(const Watched &watched, const Problem &problem, Known &known) {
+void BoundaryDomain::add_watched(const Watched &watched, const Problem &problem, Known &known) {
     watched_.push_back(watched);
     int &first = covered_.first.emplace_back(-1);
     for (const auto corner : watched.corners)
@@ -152,7 +152,7 @@ void Domain::add_watched(const Watched &watched, const Problem &problem, Known &
         }
 }
 
-void Domain::list_watched() {
+void BoundaryDomain::list_watched() {
     for (const Watched &w : watched_)
         for (const auto corner : w.corners)
             if (corner >= 0 && moves(corner))
@@ -168,7 +168,7 @@ void Domain::list_watched() {
 }
 
 /// Is the middle of this facet, edge or segment near its patch or curve? What is not near is mostly not near there.
-bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
+bool BoundaryDomain::middle_near(Watched &watched, std::span<const Vec3> points) const {
     const auto corner = [&](std::size_t i) -> const Vec3 & {
         return points[static_cast<std::size_t>(watched.corners[i])];
     };
@@ -177,7 +177,7 @@ bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
                                               : (1.0 / 3.0) * (corner(0) + corner(1) + corner(2)));
 }
 
-bool Domain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const {
+bool BoundaryDomain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const {
     return std::visit(Overload{
                           [](const Plane &) { return true; },
                           [](const Line &) { return true; },
@@ -193,7 +193,7 @@ bool Domain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) co
 
 /// And the rest of it? Edges are checked all along, facets by samples inside: where surfaces lie side by side they are
 /// farthest apart on an edge or at a landmark.
-bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
+bool BoundaryDomain::rest_near(Watched &watched, std::span<const Vec3> points) const {
     const Vec3 &a = points[static_cast<std::size_t>(watched.corners[0])];
     const Vec3 &b = points[static_cast<std::size_t>(watched.corners[1])];
     if (watched.corners[2] < 0)
@@ -210,7 +210,7 @@ bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
            sample_near(watched, 3, 0.5 * (c + middle));
 }
 
-bool Domain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec3> points) const {
+bool BoundaryDomain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec3> points) const {
     const Watched &w = watched_[static_cast<std::size_t>(watched)];
     const Vec3 &a = points[static_cast<std::size_t>(w.corners[0])];
     const Vec3 &b = points[static_cast<std::size_t>(w.corners[1])];
@@ -222,8 +222,8 @@ bool Domain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec
 }
 
 /// What is near this place now that the point has moved: `first`, or something around its corners; or -1.
-std::int32_t Domain::cover(std::int32_t first, const Vec3 &place, std::int32_t point,
-                           std::span<const Vec3> points) const {
+std::int32_t BoundaryDomain::cover(std::int32_t first, const Vec3 &place, std::int32_t point,
+                                   std::span<const Vec3> points) const {
     if (covers(first, place, points))
         return first;
     const Watched &was = watched_[static_cast<std::size_t>(first)];
@@ -244,7 +244,7 @@ std::int32_t Domain::cover(std::int32_t first, const Vec3 &place, std::int32_t p
     return -1;
 }
 
-bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
+bool BoundaryDomain::admit(std::int32_t point, std::span<const Vec3> points) {
     const auto star = watched(point);
     for (const auto i : star)
         if (!middle_near(watched_[static_cast<std::size_t>(i)], points))
@@ -268,7 +268,7 @@ bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
     return true;
 }
 
-Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
+BoundaryDomain::Support BoundaryDomain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
     // The normal of the sum of all triangles, each turned to the side of the largest: small ones have poor normals.
     Vec3 largest;
     for (const auto &t : triangles) {
@@ -297,7 +297,7 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
     return geometry::PieceTree<3>(std::move(triangles));
 }
 
-Domain::Support Domain::support_of(std::vector<std::array<Vec3, 2>> segments) {
+BoundaryDomain::Support BoundaryDomain::support_of(std::vector<std::array<Vec3, 2>> segments) {
     const Vec3 origin = segments.front().front();
     Vec3 far;
     for (const auto &s : segments)
@@ -319,7 +319,7 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 2>> segments) {
     return geometry::PieceTree<2>(std::move(segments));
 }
 
-Vec3 Domain::retract(std::int32_t point, const Vec3 &x) {
+Vec3 BoundaryDomain::retract(std::int32_t point, const Vec3 &x) {
     if (where(point) == kInterior)
         return x;
     std::int32_t &last = last_[static_cast<std::size_t>(point)];
@@ -336,7 +336,7 @@ Vec3 Domain::retract(std::int32_t point, const Vec3 &x) {
         support(point));
 }
 
-Vec3 Domain::tangential(std::int32_t point, const Vec3 &x, const Vec3 &v) {
+Vec3 BoundaryDomain::tangential(std::int32_t point, const Vec3 &x, const Vec3 &v) {
     if (where(point) == kInterior)
         return v;
     std::int32_t &last = last_[static_cast<std::size_t>(point)];

@@ -22,11 +22,11 @@ namespace wct::move_vertices {
 /// Points on a curved patch do not keep its facets on it. So the domain also keeps watch that the facets, as they lie
 /// now, and their patch, as it lay at the start, stay within the tolerance of each other, and likewise the segments of
 /// a curved crease and its curve.
-class Domain {
+class BoundaryDomain {
   public:
     /// Throws std::invalid_argument where a point's patch or curve has no piece. No watch is kept with an infinite
     /// tolerance.
-    Domain(const Problem &problem, double tolerance);
+    BoundaryDomain(const Problem &problem, double tolerance);
 
     bool moves(std::int32_t point) const { return where(point) != kFixed; }
 

@@ -85,8 +85,7 @@ std::vector<int> torn_sheets(const Cloud &cloud, const domain::Reference &refere
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_sheet(t, i) || t > complex.all.neighbours[t][i])
                 continue;
-            auto f = complex.facet(t, i);
-            std::sort(f.begin(), f.end());
+            const Facet f = sorted(complex.facet(t, i));
             domain::Foot foot;
             const int patch = sheet_of(cloud, reference, f, foot);
             for (const auto &[v, w] : {std::array{f[0], f[1]}, std::array{f[1], f[2]}, std::array{f[0], f[2]}})

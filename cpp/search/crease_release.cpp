@@ -23,7 +23,7 @@ SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgr
         const std::vector<std::uint8_t> may = releasable(guide);
         more = more && std::find(may.begin(), may.end(), 1) != may.end();
         now.hurry = more; // what creases hold up seldom comes right by waiting
-        Search search(complex_, guide, now);
+        LocalSearch search(complex_, guide, now);
         const SearchOutcome one = search.run(progress);
         sum.bad = one.bad;
         sum.stuck = one.stuck;

@@ -8,7 +8,7 @@ namespace wct::search {
 
 namespace {
 constexpr double kUnfolded = 0.5; // cosine of the angle a facet may turn by in one move
-/// Over by rounding is over all the same.
+/// The least, in tolerances, that a facet beyond the tolerance is said to be over: 0 would say that it is within.
 constexpr double kLeast = 1e-6;
 /// What is as far over as it was may come out this much farther.
 constexpr double kRounding = 1.0 + 1e-9;

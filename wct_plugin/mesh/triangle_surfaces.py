@@ -36,6 +36,14 @@ def enclosed_volume(points: Floats, triangles: Ints) -> float:
     return float(np.einsum("ij,ij->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
 
 
+def thickness(points: Floats, triangles: Ints) -> float:
+    """Extent across the plane that triangles (k, 3) lie nearest to, as a fraction of the diagonal of their box."""
+    used = unit_scaling.normalized(points[np.unique(triangles)])
+    used = used - used.mean(axis=0)
+    _, axes = np.linalg.eigh(used.T @ used)
+    return float(np.ptp(used @ axes[:, 0]) / (np.linalg.norm(np.ptp(used, axis=0)) or 1.0))
+
+
 def surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, Bools]:
     """Every edge (e, 2) once, and its triangles: ``owners[starts[k] : starts[k] + sizes[k]]``.
 

@@ -1,4 +1,4 @@
-#include "search/volume_balance.h"
+#include "search/surface_balance.h"
 
 #include <algorithm>
 #include <cmath>
