@@ -1,4 +1,4 @@
-"""Points that are in the same place: of bodies meshed apart, of the two sides of a crack, of each facet of an STL file."""
+"""Points in the same place: of bodies meshed apart, of the two sides of a crack, of each facet of an STL file."""
 
 import numpy as np
 

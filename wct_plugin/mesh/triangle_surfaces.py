@@ -6,6 +6,9 @@ from wct_plugin.mesh import unit_scaling
 from wct_plugin.mesh.index_arrays import components
 from wct_plugin.types import Bools, Floats, Ints
 
+#: The three edges of a triangle, as it winds.
+SIDES = np.array([[0, 1], [1, 2], [2, 0]])
+
 
 def bends(points: Floats, triangles: Ints, label: Ints) -> tuple[Ints, Floats, Bools]:
     """Edges (e, 2) between two triangles, how much the surface bends there in degrees, and if both labels are equal."""
@@ -49,7 +52,7 @@ def surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, 
 
     ``forward`` goes with ``owners``: does the triangle run through the edge from its smaller end to its larger?
     """
-    ends = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    ends = triangles[:, SIDES].reshape(-1, 2)
     forward = ends[:, 0] < ends[:, 1]
     ends = np.sort(ends, axis=1)
     keys = ends @ [count, 1]
