@@ -43,9 +43,8 @@ std::vector<std::vector<int>> neighbours(const std::vector<std::array<int, n>> &
             for (const int w : cell)
                 if (v != w)
                     around[v].push_back(w);
-    for (auto &list : around) {
+    for (auto &list : around)
         sort_unique(list);
-    }
     return around;
 }
 

@@ -10,8 +10,6 @@
 
 namespace wct::domain {
 
-namespace {} // namespace
-
 RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(mesh), reference_(reference) {
     std::vector<geometry::Box> boxes;
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {

@@ -33,6 +33,12 @@ TriangleEdges::TriangleEdges(std::span<const Facet> triangles) {
     starts_.push_back(sides.size());
 }
 
+std::span<const int> TriangleEdges::owners(const Edge &edge) const {
+    const auto at = std::lower_bound(edges_.begin(), edges_.end(), edge);
+    return at != edges_.end() && *at == edge ? owners(static_cast<std::size_t>(at - edges_.begin()))
+                                             : std::span<const int>{};
+}
+
 std::vector<double> bend_angles(std::span<const Vec3> points, std::span<const Facet> triangles,
                                 const TriangleEdges &edges) {
     const auto normal = [&](int t) {

@@ -273,9 +273,8 @@ Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex) {
                 flaws.exposed.push_back(v);
     DisjointSets fans = join_fans(surfaces, flaws.pinched);
     find_double_fans(surfaces, fans, flaws.pinched);
-    for (auto *list : {&flaws.exposed, &flaws.pinched}) {
-        sort_unique(*list);
-    }
+    sort_unique(flaws.exposed);
+    sort_unique(flaws.pinched);
     return flaws;
 }
 
