@@ -1,12 +1,14 @@
 """What half and double of the core's numbers do to meshes: the table of docs/numbers.md.
 
 ``python -m benchmarks.numbers MESH...`` makes a copy of the source in which the numbers of the option structs are asked
-of the environment, builds it once, and runs every mesh with each number as it is, halved and doubled.
+of the environment, builds it once, and runs every mesh with each number as it is, halved and doubled. ``--only`` names
+those that are to be tried, all others are left.
 """
 
 import json
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -31,6 +33,10 @@ HEADERS = (
     "sampling/seeds.h",
     "search/search_energy.h",
 )
+#: Wall time of a run in seconds, and address space in bytes, after which it is said not to end: some numbers are bounds
+#: of loops. Runs as they are take a minute and a gigabyte at most.
+_LONGEST = 600.0
+_MOST = 16 << 30
 _NUMBER = re.compile(
     r"^    (?P<static>static constexpr )?(?P<type>double|int) (?P<name>\w+) = (?P<value>[-+.\de]+);", re.MULTILINE
 )
@@ -120,12 +126,13 @@ def _run(site: Path, mesh: Path, name: str, share: float) -> Outcome:
     path = os.pathsep.join(map(str, (site, _ROOT, _ROOT / "tests", sysconfig.get_path("purelib"))))
     environment = {**os.environ, "PYTHONPATH": path, "WCT_NUMBER": name, "WCT_SHARE": str(share)}
     command = [sys.executable, "-S", "-P", "-m", "benchmarks.numbers", "--one", mesh]
-    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True, timeout=_LONGEST)
     return Outcome(**json.loads(done.stdout))
 
 
 def _one(mesh: Path) -> Outcome:
     warnings.simplefilter("ignore")
+    resource.setrlimit(resource.RLIMIT_AS, (_MOST, _MOST))
     given = wct.read(mesh)
     before = time.process_time()
     made, metrics = wct.apply_filter("meshing_well_centered", given)
@@ -144,13 +151,16 @@ def _cells(usual: list[Outcome], others: list[Outcome]) -> Iterator[str]:
 
 @click.command()
 @click.argument("given", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--only", multiple=True, metavar="STRUCT.NAME", help="Try this number; may be repeated. Without: all.")
 @click.option("--one", is_flag=True, hidden=True)
-def main(given: tuple[Path, ...], one: bool) -> None:
+def main(given: tuple[Path, ...], only: tuple[str, ...], one: bool) -> None:
     """Write build/numbers.md."""
     if one:
         click.echo(json.dumps(vars(_one(given[0]))))
         return
     site, numbers = _build()
+    if unknown := set(only) - {number.name for number in numbers}:
+        raise click.BadParameter(f"no such number: {', '.join(sorted(unknown))}", param_hint="--only")
     usual = [_run(site, mesh, "", 1.0) for mesh in given]
     table = _ROOT / "build" / "numbers.md"
     head = [
@@ -161,12 +171,16 @@ def main(given: tuple[Path, ...], one: bool) -> None:
     lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
     lines.append(f"| as they are | | {' | '.join(_cells(usual, usual))} | | | | |")
     for number in numbers:
+        if only and number.name not in only:
+            continue
         cells = [number.name, number.value]
         for share in (0.5, 2.0):
             try:
                 cells += _cells(usual, [_run(site, mesh, number.name, share) for mesh in given])
             except subprocess.CalledProcessError as error:
                 cells += [error.stderr.strip().splitlines()[-1], "", "", ""]
+            except subprocess.TimeoutExpired:
+                cells += [f"no end in {_LONGEST:g} s", "", "", ""]
         lines.append(f"| {' | '.join(cells)} |")
         click.echo(lines[-1])
         table.write_text("\n".join(lines) + "\n")

@@ -56,5 +56,9 @@ inline double angle(const Vec3 &a, const Vec3 &b) {
 inline Vec3 normal_of(const std::array<Vec3, 3> &corners) {
     return cross(corners[1] - corners[0], corners[2] - corners[0]);
 }
+/// Of a tet; positive if its last corner is where the first three are seen to wind clockwise.
+inline double six_volumes(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
+    return dot(cross(b - a, c - a), d - a);
+}
 
 } // namespace wct

@@ -153,7 +153,7 @@ nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle as
 
     search::TetComplex complex = search::complex_of(mesh);
     for (const int k : hopeless)
-        complex.rule_out(search::sorted(mesh.facets[k][0], mesh.facets[k][1], mesh.facets[k][2]));
+        complex.rule_out(sorted(mesh.facets[k][0], mesh.facets[k][1], mesh.facets[k][2]));
     search::CreaseRelease search(
         complex,
         {on.points, on.triangles, on.patch, on.segments, on.curve, listed(asked, "loose", curves), on.flat, local},

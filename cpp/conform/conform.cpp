@@ -21,7 +21,7 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
     out.surface.creases.clear();
     out.surface.curve.clear();
     for (const auto &[a, b, curve] : points.segments()) {
-        out.surface.creases.push_back({std::min(a, b), std::max(a, b)});
+        out.surface.creases.push_back(sorted(a, b));
         out.surface.curve.push_back(curve);
     }
     out.points = cloud.points;
@@ -29,11 +29,7 @@ Conformed taken(const ConformingCloud &points, const sampling::RestrictedDelauna
     out.role = cloud.role;
     out.size = cloud.size;
     out.label = cloud.label;
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-        if (complex.region[t] >= 0) {
-            out.tets.push_back(complex.all.tets[t]);
-            out.region.push_back(complex.region[t]);
-        }
+    complex.append_inside(out.tets, out.region);
     return out;
 }
 

@@ -1,7 +1,7 @@
 #include "conform/conform_inside.h"
 
 #include "base/random.h"
-#include "geometry/circumspheres.h"
+#include "conform/circumspheres.h"
 
 #include <algorithm>
 #include <array>
@@ -38,10 +38,8 @@ class Untier {
   public:
     Untier(sampling::Cloud &cloud, const sampling::RestrictedDelaunay &complex, const domain::RegionMap &map,
            const ConformOptions &options, Random &random)
-        : cloud_(cloud), complex_(complex), map_(map), options_(options), random_(random) {
-        for (const auto &[a, b, c, d] : complex.all.tets)
-            spheres_.push_back(
-                geometry::circumsphere(cloud.points[a], cloud.points[b], cloud.points[c], cloud.points[d]));
+        : cloud_(cloud), complex_(complex), map_(map), options_(options), random_(random), spheres_(cloud, complex) {
+        spheres_.measure();
     }
 
     /// Count all, mend this share of them.
@@ -55,19 +53,16 @@ class Untier {
                     continue;
                 if (next < 0 || complex_.region[next] != complex_.region[t]) {
                     const int apex = complex_.all.tets[t][i];
-                    if (height(t, i) > options_.least * spheres_[t].radius)
+                    if (spheres_.height(t, i) > options_.least * spheres_[t].radius)
                         continue;
                     ++faults;
                     keep[apex] = cloud_.role[apex] != Stratum::interior;
                 } else if (next > t) {
-                    const auto &around = complex_.all.neighbours[next];
-                    const int back = static_cast<int>(std::find(around.begin(), around.end(), t) - around.begin());
-                    if (height(t, i) + height(next, back) >
-                        options_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
+                    if (!spheres_.tied(t, i, options_.least))
                         continue;
                     ++faults;
                     if (random_.uniform() < share)
-                        part(t, i, complex_.all.tets[next][back]);
+                        part(t, i, complex_.apex_beyond(t, i));
                 }
             }
         keep.resize(cloud_.count(), 1);
@@ -76,12 +71,6 @@ class Untier {
     }
 
   private:
-    double height(int t, int i) const {
-        const auto f = complex_.facet(t, i);
-        const std::array<Vec3, 3> at{cloud_.points[f[0]], cloud_.points[f[1]], cloud_.points[f[2]]};
-        return dot(unit(normal_of(at)), at[0] - spheres_[t].center);
-    }
-
     void part(int t, int i, int other) {
         constexpr double step = 0.03, off = 0.1; // in sizes
         const auto f = complex_.facet(t, i);
@@ -104,7 +93,7 @@ class Untier {
     const domain::RegionMap &map_;
     const ConformOptions &options_;
     Random &random_;
-    std::vector<geometry::Sphere> spheres_;
+    Circumspheres spheres_;
 };
 
 refill::Refilled between(const refill::PinnedFacets &facets, const domain::InputMesh &mesh,

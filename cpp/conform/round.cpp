@@ -26,16 +26,12 @@ Round::Round(ConformingCloud &points, const domain::Reference &reference, const 
              const domain::RegionMap &map, const ConformOptions &options, double sharpest, Random &random,
              const Workers &workers)
     : points_(points), cloud_(points.points()), reference_(reference), probes_(probes), map_(map), options_(options),
-      sharpest_(sharpest), random_(random) {
+      sharpest_(sharpest), random_(random), spheres_(cloud_, complex_) {
     complex_ = sampling::labelled_delaunay(cloud_, map, workers);
     take_in_flat();
     delaunay::remove_flat(complex_.all, complex_.region, cloud_.points, sharpest_);
     several_ = *std::max_element(complex_.region.begin(), complex_.region.end()) > 0;
-    spheres_.resize(complex_.all.tets.size());
-    for (std::size_t t = 0; t < spheres_.size(); ++t) {
-        const auto &[a, b, c, d] = complex_.all.tets[t];
-        spheres_[t] = geometry::circumsphere(cloud_.points[a], cloud_.points[b], cloud_.points[c], cloud_.points[d]);
-    }
+    spheres_.measure();
     peel();
     flaws_ = sampling::mend_pinches(cloud_, reference, complex_, sampling::find_flaws(cloud_, complex_));
     std::erase_if(flaws_.pinched, [&](int v) { return cloud_.role[v] == Stratum::corner; });
@@ -56,16 +52,11 @@ Faults Round::mend() {
     return faults_;
 }
 
-double Round::height(int t, int i) const {
-    const auto f = corners(complex_.facet(t, i));
-    return dot(unit(normal_of(f)), f[0] - spheres_[t].center);
-}
-
 double Round::share(int t, int i, int v) const {
     auto f = complex_.facet(t, i);
     std::rotate(f.begin(), std::find(f.begin(), f.end(), v), f.end());
     const auto at = corners(f);
-    return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * height(t, i);
+    return 0.25 * dot(at[1] - at[0], at[2] - at[0]) / norm(normal_of(at)) * spheres_.height(t, i);
 }
 
 bool Round::outer(int t, int i) const {
@@ -89,7 +80,7 @@ void Round::take_in_flat() {
 void Round::peel() {
     std::vector<Edge> kept; // no crease may be lost
     for (const Segment &s : points_.segments())
-        kept.push_back({std::min(s.a, s.b), std::max(s.a, s.b)});
+        kept.push_back(sorted(s.a, s.b));
     std::sort(kept.begin(), kept.end());
     std::vector<char> flipped(spheres_.size(), 0);
     std::vector<int> queue;
@@ -152,13 +143,13 @@ void Round::mend_creases() {
             for (const auto &[i, j] : kEdges) {
                 const int a = complex_.all.tets[t][i], b = complex_.all.tets[t][j];
                 if (!inside(a) && !inside(b))
-                    edges.push_back({std::min(a, b), std::max(a, b)});
+                    edges.push_back(sorted(a, b));
             }
     std::sort(edges.begin(), edges.end());
     std::vector<std::size_t> missing;
     for (std::size_t k = 0; k < points_.segments().size(); ++k) {
         const auto &[a, b, curve] = points_.segments()[k];
-        if (!std::binary_search(edges.begin(), edges.end(), std::array{std::min(a, b), std::max(a, b)}))
+        if (!std::binary_search(edges.begin(), edges.end(), sorted(a, b)))
             missing.push_back(k);
     }
     faults_.creases = missing.size();
@@ -337,13 +328,10 @@ void Round::mend_ties() {
             const int next = complex_.all.neighbours[t][i];
             if (complex_.region[t] < 0 || next < t || outer(t, i))
                 continue;
-            const int back = static_cast<int>(
-                std::find(complex_.all.neighbours[next].begin(), complex_.all.neighbours[next].end(), t) -
-                complex_.all.neighbours[next].begin());
-            if (height(t, i) + height(next, back) > options_.least * 0.5 * (spheres_[t].radius + spheres_[next].radius))
+            if (!spheres_.tied(t, i, options_.least))
                 continue;
             ++faults_.ties;
-            mend_tie(t, i, complex_.all.tets[next][back], moved);
+            mend_tie(t, i, complex_.apex_beyond(t, i), moved);
         }
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/cells.h"
 #include "base/random.h"
+#include "conform/circumspheres.h"
 #include "conform/conform.h"
 #include "conform/surface_probes.h"
 #include "geometry/circumspheres.h"
@@ -26,8 +27,6 @@ class Round {
     Faults mend();
 
   private:
-    /// Signed height of a tet's circumcenter over its facet i.
-    double height(int t, int i) const;
     template <std::size_t n> std::array<Vec3, n> corners(const std::array<int, n> &cell) const {
         std::array<Vec3, n> at;
         std::transform(cell.begin(), cell.end(), at.begin(), [&](int v) { return cloud_.points[v]; });
@@ -36,7 +35,7 @@ class Round {
     /// What a tet's facet i adds to the dual area of its edge opposite corner v, in lengths of the edge.
     double share(int t, int i, int v) const;
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
-    bool beyond(int t, int i) const { return height(t, i) <= least() * spheres_[t].radius; }
+    bool beyond(int t, int i) const { return spheres_.height(t, i) <= least() * spheres_[t].radius; }
     /// The shortest length that a dual may have: where the mesh is to be one-sided it is not zero.
     double least() const { return options_.one_sided ? options_.least : -options_.tied; }
     /// Must the circumcenter stay on this side of the facet? Where a region ends, but for a single Delaunay one.
@@ -102,7 +101,7 @@ class Round {
     Random &random_;
     sampling::RestrictedDelaunay complex_;
     bool several_ = false; // regions
-    std::vector<geometry::Sphere> spheres_;
+    Circumspheres spheres_;
     std::vector<std::pair<int, domain::Foot>> ridges_; // slivers on a bend too sharp to take them off
     sampling::Flaws flaws_;
     Faults faults_;

@@ -1,5 +1,6 @@
 #include "delaunay/cocircular_diagonals.h"
 
+#include "base/facet_uses.h"
 #include "delaunay/corners.h"
 #include "geometry/predicates.h"
 
@@ -12,37 +13,14 @@ namespace wct::delaunay {
 
 namespace {
 
-/// The facets of a triangulation, to be found by their corners.
-class FacetList {
-  public:
-    explicit FacetList(const Triangulation &all) : all_(all) {
-        for (std::size_t t = 0; t < all.tets.size(); ++t)
-            for (const auto &f : kFacets)
-                halves_.push_back({sorted(t, f), static_cast<int>(t)});
-        std::sort(halves_.begin(), halves_.end());
-    }
-
-    /// The tets at a facet that still have it.
-    std::vector<int> at(Facet facet) const {
-        std::sort(facet.begin(), facet.end());
-        std::vector<int> tets;
-        for (auto h = std::lower_bound(halves_.begin(), halves_.end(), std::pair(facet, 0));
-             h != halves_.end() && h->first == facet; ++h)
-            if (std::all_of(facet.begin(), facet.end(), [&](int v) { return place_of(all_.tets[h->second], v) < 4; }))
-                tets.push_back(h->second);
-        return tets;
-    }
-
-  private:
-    Facet sorted(std::size_t t, const int (&f)[3]) const {
-        Facet facet{all_.tets[t][f[0]], all_.tets[t][f[1]], all_.tets[t][f[2]]};
-        std::sort(facet.begin(), facet.end());
-        return facet;
-    }
-
-    const Triangulation &all_;
-    std::vector<std::pair<Facet, int>> halves_;
-};
+/// The tets at a facet that still have it.
+std::vector<int> tets_at(const Triangulation &all, const FacetUses &uses, const Facet &facet) {
+    std::vector<int> tets;
+    for (const FacetUses::Use &use : uses.of(sorted(facet)))
+        if (std::all_of(facet.begin(), facet.end(), [&](int v) { return place_of(all.tets[use.tet()], v) < 4; }))
+            tets.push_back(use.tet());
+    return tets;
+}
 
 /// Tets (a, b, d, p) and (b, c, d, p) that become (a, b, c, p) and (a, c, d, p).
 struct Pair {
@@ -53,8 +31,8 @@ bool positive(std::span<const Vec3> points, const Corners &tet) {
     return geometry::orient3d(points[tet[0]], points[tet[1]], points[tet[2]], points[tet[3]]) > 0;
 }
 
-bool swap(Triangulation &all, std::span<const Vec3> points, const FacetList &facets, int a, int b, int c, int d) {
-    const std::vector<int> firsts = facets.at({a, b, d}), seconds = facets.at({b, c, d});
+bool swap(Triangulation &all, std::span<const Vec3> points, const FacetUses &uses, int a, int b, int c, int d) {
+    const std::vector<int> firsts = tets_at(all, uses, {a, b, d}), seconds = tets_at(all, uses, {b, c, d});
     if (firsts.empty() || firsts.size() != seconds.size())
         return false;
     std::vector<Pair> pairs;
@@ -100,12 +78,12 @@ int swap_diagonals(Triangulation &all, std::span<const Vec3> points, std::span<c
         for (const auto &[edge, other] : {std::pair(Edge{a, b}, c), std::pair(Edge{a, c}, b), std::pair(Edge{b, c}, a)})
             edges.emplace_back(edge, other);
     std::sort(edges.begin(), edges.end());
-    const FacetList facets(all);
+    const FacetUses uses(all.tets, points.size());
     int swapped = 0;
     for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
         const auto &[edge, b] = edges[k];
         const auto &[next, d] = edges[k + 1];
-        if (edge == next && swap(all, points, facets, edge[0], b, edge[1], d))
+        if (edge == next && swap(all, points, uses, edge[0], b, edge[1], d))
             ++swapped;
     }
     return swapped;

@@ -5,6 +5,7 @@
 #include "delaunay/builder.h"
 
 #include "base/random.h"
+#include "geometry/box_tree.h"
 #include "geometry/predicates.h"
 
 #include <algorithm>
@@ -58,13 +59,10 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> cell) {
 /// curve of its own, so clusters of any scale are in order too.
 void sort_along_curve(std::span<const Vec3> points, std::span<int> ids) {
     constexpr std::size_t few = 16;
-    Vec3 low = points[ids[0]];
-    Vec3 high = low;
-    for (const int id : ids) {
-        const Vec3 &p = points[id];
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
+    geometry::Box box;
+    for (const int id : ids)
+        box.add(points[id]);
+    const Vec3 low = box.lo, high = box.hi; // no structured binding: a lambda takes them
     // Halved first: the extent of finite points may overflow. The cells are cubes, as the tets will be.
     const double extent =
         std::max({high.x / 2 - low.x / 2, high.y / 2 - low.y / 2, high.z / 2 - low.z / 2}) * (1.0 + 0x1p-40);

@@ -155,11 +155,8 @@ class Flips {
         std::vector<std::pair<Facet, std::array<int, 2>>> halves; // with the tet and the corner across
         for (std::size_t k = 0; k < made.size(); ++k) {
             all_.tets[ring_[k]] = made[k];
-            for (int i = 0; i < 4; ++i) {
-                Facet f{made[k][kFacets[i][0]], made[k][kFacets[i][1]], made[k][kFacets[i][2]]};
-                std::sort(f.begin(), f.end());
-                halves.push_back({f, {ring_[k], i}});
-            }
+            for (int i = 0; i < 4; ++i)
+                halves.push_back({sorted(inward_facet(made[k], i)), {ring_[k], i}});
         }
         for (const auto &[facet, half] : halves) {
             const auto &[tet, i] = half;

@@ -1,6 +1,7 @@
 #include "delaunay/moving_delaunay.h"
 
 #include "base/cells.h"
+#include "base/sort_unique.h"
 #include "delaunay/builder.h"
 #include "geometry/predicates.h"
 
@@ -211,8 +212,7 @@ bool Mending::collect_vertices() {
             if (v >= 0)
                 vertices_.push_back(v);
     }
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_);
     return solid;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/sort_unique.h"
 #include "base/vec3.h"
 
 #include <algorithm>
@@ -42,10 +43,8 @@ std::vector<std::vector<int>> neighbours(const std::vector<std::array<int, n>> &
             for (const int w : cell)
                 if (v != w)
                     around[v].push_back(w);
-    for (auto &list : around) {
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
+    for (auto &list : around)
+        sort_unique(list);
     return around;
 }
 

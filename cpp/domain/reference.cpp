@@ -104,7 +104,7 @@ void Reference::make_wedges() {
     std::set<Edge> creases;
     for (const auto *edges : {&data_.segments, &data_.folds})
         for (const auto &[v, w] : *edges)
-            creases.insert({std::min(v, w), std::max(v, w)});
+            creases.insert(sorted(v, w));
     struct Side {
         std::array<int, 3> key;     // ends, patch
         std::array<int, 2> corners; // of a triangle, at the ends
@@ -115,7 +115,7 @@ void Reference::make_wedges() {
         for (int k = 0; k < 3; ++k) {
             const int next = (k + 1) % 3, v = data_.triangles[t][k], w = data_.triangles[t][next];
             const int corner = static_cast<int>(3 * t);
-            if (creases.contains({std::min(v, w), std::max(v, w)}))
+            if (creases.contains(sorted(v, w)))
                 continue;
             v < w ? sides.push_back({{v, w, data_.patch[t]}, {corner + k, corner + next}})
                   : sides.push_back({{w, v, data_.patch[t]}, {corner + next, corner + k}});
@@ -171,7 +171,7 @@ void Reference::make_normals() {
                 wedge_normal_[wedges_[t][k]] += (norm(cross(p, q)) / pq) * normals_.back();
                 vertex_normal_[v] += angle(p, q) * normals_.back();
             }
-            sides.push_back({{std::min(v, w), std::max(v, w)}, static_cast<int>(t), (k + 2) % 3});
+            sides.push_back({sorted(v, w), static_cast<int>(t), (k + 2) % 3});
         }
     }
     for (auto &n : wedge_normal_)

@@ -1,6 +1,8 @@
 // The crease part of Reference: chains of edges, their curvature, their nearest points.
 #include "domain/reference.h"
 
+#include "geometry/triangle_edges.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -73,23 +75,16 @@ void Reference::find_patches_around() {
         if (at == patches.end() || *at != patch)
             patches.insert(at, patch);
     };
-    std::map<std::pair<int, int>, std::vector<int>> at_crease;
-    for (const auto &[v, w] : data_.segments)
-        at_crease[{std::min(v, w), std::max(v, w)}];
     vertex_patches_.resize(data_.points.size());
     for (std::size_t t = 0; t < data_.triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const int v = data_.triangles[t][k];
-            const int w = data_.triangles[t][(k + 1) % 3];
+        for (const int v : data_.triangles[t])
             add(vertex_patches_[v], data_.patch[t]);
-            if (const auto found = at_crease.find({std::min(v, w), std::max(v, w)}); found != at_crease.end())
-                add(found->second, data_.patch[t]);
-        }
+    const geometry::TriangleEdges edges(data_.triangles);
     curve_patches_.resize(curves_.size());
     for (std::size_t s = 0; s < data_.segments.size(); ++s) {
         const auto &[v, w] = data_.segments[s];
-        for (const int patch : at_crease[{std::min(v, w), std::max(v, w)}])
-            add(curve_patches_[data_.curve[s]], patch);
+        for (const int t : edges.owners(sorted(v, w)))
+            add(curve_patches_[data_.curve[s]], data_.patch[t]);
     }
 }
 

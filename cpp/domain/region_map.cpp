@@ -1,6 +1,6 @@
 #include "domain/region_map.h"
 
-#include "base/cells.h"
+#include "base/facet_uses.h"
 
 #include <algorithm>
 #include <functional>
@@ -10,63 +10,36 @@
 
 namespace wct::domain {
 
-namespace {
-
-double det(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
-    return dot(cross(b - a, c - a), d - a);
-}
-
-} // namespace
-
 RegionMap::RegionMap(const InputMesh &mesh, const Reference &reference) : mesh_(mesh), reference_(reference) {
     std::vector<geometry::Box> boxes;
-    struct Half {
-        std::array<int, 3> key;
-        int tet;
-        int local;
-    };
-    std::vector<Half> halves;
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         geometry::Box box;
         for (const int v : mesh.tets[t])
             box.add(mesh.points[v]);
         boxes.push_back(box);
         const auto &[a, b, c, d] = mesh.tets[t];
-        volume_.push_back(det(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
-        for (int i = 0; i < 4; ++i) {
-            Half half{{mesh.tets[t][kOutward[i][0]], mesh.tets[t][kOutward[i][1]], mesh.tets[t][kOutward[i][2]]},
-                      static_cast<int>(t),
-                      i};
-            std::sort(half.key.begin(), half.key.end());
-            halves.push_back(half);
-        }
+        volume_.push_back(six_volumes(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
     }
     tets_ = geometry::BoxTree(boxes);
-    std::sort(halves.begin(), halves.end(),
-              [](const Half &a, const Half &b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
     boxes.clear();
-    for (std::size_t k = 0; k < halves.size(); ++k) {
-        const bool paired = k + 1 < halves.size() && halves[k].key == halves[k + 1].key;
-        if (!paired || mesh.region[halves[k].tet] != mesh.region[halves[k + 1].tet]) {
-            const auto &tet = mesh.tets[halves[k].tet];
-            const int i = halves[k].local;
-            const Facet facet{{tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]}, halves[k].tet, i};
-            geometry::Box box;
-            Vec3 center;
-            double gap = 0.0;
-            for (const int v : facet.corner) {
-                box.add(mesh.points[v]);
-                center += (1.0 / 3.0) * mesh.points[v];
-                gap = std::max(gap, reference.nearest(mesh.points[v]).distance);
-            }
-            gap = std::max(gap, reference.nearest(center).distance);
-            strip_.push_back(4.0 * gap * gap);
-            facets_.push_back(facet);
-            boxes.push_back(box);
+    FacetUses(mesh.tets, mesh.points.size()).each([&](const auto &, std::span<const FacetUses::Use> uses) {
+        const int t = uses.front().tet(), i = uses.front().corner();
+        if (uses.size() > 1 && mesh.region[t] == mesh.region[uses.back().tet()])
+            return;
+        const SurfaceFacet facet{outward_facet(mesh.tets[t], i), t, i};
+        geometry::Box box;
+        Vec3 center;
+        double gap = 0.0;
+        for (const int v : facet.corner) {
+            box.add(mesh.points[v]);
+            center += (1.0 / 3.0) * mesh.points[v];
+            gap = std::max(gap, reference.nearest(mesh.points[v]).distance);
         }
-        if (paired)
-            ++k;
-    }
+        gap = std::max(gap, reference.nearest(center).distance);
+        strip_.push_back(4.0 * gap * gap);
+        facets_.push_back(facet);
+        boxes.push_back(box);
+    });
     surface_ = geometry::BoxTree(boxes);
     std::vector<double> values;
     std::transform(strip_.begin(), strip_.end(), std::back_inserter(values), std::negate());
@@ -85,8 +58,8 @@ Place RegionMap::find(const Vec3 &p) const {
                     constexpr double slack = 1e-12; // of the volume, so that no point falls between two tets
                     const double least = -slack * volume_[t];
                     double w[4];
-                    if ((w[0] = det(p, pb, pc, pd)) < least || (w[1] = det(pa, p, pc, pd)) < least ||
-                        (w[2] = det(pa, pb, p, pd)) < least || (w[3] = det(pa, pb, pc, p)) < least)
+                    if ((w[0] = six_volumes(p, pb, pc, pd)) < least || (w[1] = six_volumes(pa, p, pc, pd)) < least ||
+                        (w[2] = six_volumes(pa, pb, p, pd)) < least || (w[3] = six_volumes(pa, pb, pc, p)) < least)
                         return false;
                     place.tet = static_cast<int>(t);
                     const double sum = w[0] + w[1] + w[2] + w[3];
@@ -104,7 +77,7 @@ Place RegionMap::find_or_nearest(const Vec3 &p) const {
     surface_.minimise(
         std::numeric_limits<double>::infinity(), [&](std::size_t node) { return surface_.box(node).square(p); },
         [&](std::size_t item, double best) {
-            const Facet &f = facets_[item];
+            const SurfaceFacet &f = facets_[item];
             const geometry::TrianglePoint at = geometry::nearest_on_triangle(
                 p, mesh_.points[f.corner[0]], mesh_.points[f.corner[1]], mesh_.points[f.corner[2]]);
             if (at.square < best) {
@@ -147,7 +120,7 @@ int RegionMap::region(const Vec3 &p, const Foot &foot) const {
     const double square = surface_.minimise(
         std::numeric_limits<double>::infinity(), [&](std::size_t node) { return surface_.box(node).square(p); },
         [&](std::size_t item, double best) {
-            const Facet &f = facets_[item];
+            const SurfaceFacet &f = facets_[item];
             const double far = geometry::nearest_on_triangle(p, mesh_.points[f.corner[0]], mesh_.points[f.corner[1]],
                                                              mesh_.points[f.corner[2]])
                                    .square;

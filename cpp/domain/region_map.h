@@ -41,16 +41,16 @@ class RegionMap {
     Place find_or_nearest(const Vec3 &p) const;
 
   private:
-    struct Facet {
-        std::array<int, 3> corner;
+    struct SurfaceFacet {
+        Facet corner;
         int tet;
         int opposite;
     };
     const InputMesh &mesh_;
     const Reference &reference_;
     geometry::BoxTree tets_;
-    std::vector<double> volume_; // per tet, six times
-    std::vector<Facet> facets_;  // between different regions or to the outside
+    std::vector<double> volume_;       // per tet, six times
+    std::vector<SurfaceFacet> facets_; // between different regions or to the outside
     geometry::BoxTree surface_;
     /// Per facet the square of the width of the strip where the surface decides: twice as far as the facet's corners
     /// and its center are from the surface.

@@ -1,9 +1,11 @@
 #include "domain/sharp_edges.h"
 
+#include "geometry/triangle_edges.h"
+
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
+#include <span>
 
 namespace wct::domain {
 
@@ -16,19 +18,11 @@ constexpr double kSharp = 1.0471975511965976; // 60 degrees
 SharpEdges::SharpEdges(const Reference &reference, bool outside)
     : reference_(reference), curves_(reference.curves().size(), 0) {
     const auto &data = reference.data();
-    std::map<Edge, std::vector<int>> around; // crease edge -> triangles
-    for (const auto &[v, w] : data.segments)
-        around[{std::min(v, w), std::max(v, w)}];
-    for (std::size_t t = 0; t < data.triangles.size(); ++t)
-        for (int k = 0; k < 3; ++k) {
-            const int v = data.triangles[t][k], w = data.triangles[t][(k + 1) % 3];
-            if (const auto found = around.find({std::min(v, w), std::max(v, w)}); found != around.end())
-                found->second.push_back(static_cast<int>(t));
-        }
+    const geometry::TriangleEdges edges(data.triangles);
     std::vector<geometry::Box> boxes;
     for (std::size_t s = 0; s < data.segments.size(); ++s) {
         const auto &[v, w] = data.segments[s];
-        const auto &own = around[{std::min(v, w), std::max(v, w)}];
+        const std::span<const int> own = edges.owners(sorted(v, w));
         if (own.size() != 2 || data.sides[data.patch[own[0]]] != data.sides[data.patch[own[1]]])
             continue;
         const Vec3 &n = reference.normal(own[0]), &m = reference.normal(own[1]);

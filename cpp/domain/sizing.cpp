@@ -59,8 +59,8 @@ void Sizing::make_input_sizes(std::span<const double> wanted) {
     std::vector<double> tets(count, 0.0);
     volume_ = 0.0;
     for (const auto &[a, b, c, d] : mesh_.tets) {
-        const Vec3 &p = mesh_.points[a];
-        const double v = std::fabs(dot(cross(mesh_.points[b] - p, mesh_.points[c] - p), mesh_.points[d] - p)) / 6.0;
+        const auto &at = mesh_.points;
+        const double v = std::fabs(six_volumes(at[a], at[b], at[c], at[d])) / 6.0;
         volume_ += v;
         for (const int at : {a, b, c, d}) {
             volume[at] += v;
@@ -178,7 +178,7 @@ void Sizing::limit_by_bends() {
     for (int t = 0; t < static_cast<int>(data.triangles.size()); ++t)
         for (int k = 0; k < 3 && !reference_.planar(data.patch[t]); ++k) {
             const int from = reference_.wedge(t, k), to = reference_.wedge(t, (k + 1) % 3);
-            sides.push_back({{std::min(from, to), std::max(from, to)}, t, from < to});
+            sides.push_back({sorted(from, to), t, from < to});
         }
     std::sort(sides.begin(), sides.end(),
               [](const Side &a, const Side &b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });

@@ -1,7 +1,6 @@
 #include "geometry/box_tree.h"
 
 #include <cmath>
-#include <numeric>
 
 namespace wct::geometry {
 
@@ -13,39 +12,24 @@ double along(const Vec3 &v, int axis) {
 
 } // namespace
 
-BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
-    std::iota(items_.begin(), items_.end(), 0);
-    nodes_.reserve(boxes.size());
-    if (!boxes.empty())
-        build(boxes, 0, static_cast<std::int32_t>(boxes.size()));
-}
+BoxTree::BoxTree(std::span<const Box> boxes)
+    : BoxTree(boxes, [boxes](const Box &, std::span<std::int32_t> items, std::size_t middle) {
+          const auto center = [boxes](std::int32_t item) { return boxes[static_cast<std::size_t>(item)].center(); };
+          Box centers;
+          for (const std::int32_t item : items)
+              centers.add(center(item));
+          double Vec3::*const axis = longest_axis(centers.hi - centers.lo);
+          std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
+                           [&](std::int32_t i, std::int32_t j) {
+                               const double x = center(i).*axis, y = center(j).*axis;
+                               return x != y ? x < y : i < j;
+                           });
+      }) {}
 
-std::int32_t BoxTree::build(std::span<const Box> boxes, std::int32_t first, std::int32_t last) {
-    const auto id = static_cast<std::int32_t>(nodes_.size());
-    nodes_.emplace_back();
-    Box box;
-    Box centers;
-    for (std::int32_t i = first; i < last; ++i) {
-        const Box &b = boxes[static_cast<std::size_t>(items_[static_cast<std::size_t>(i)])];
-        box.add(b);
-        centers.add(b.center());
-    }
-    Node node{box, first, last, -1};
-    if (last - first > 4) {
-        const Vec3 extent = centers.hi - centers.lo;
-        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-        const std::int32_t middle = first + (last - first) / 2;
-        std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + last,
-                         [&](std::int32_t i, std::int32_t j) {
-                             const double x = along(boxes[static_cast<std::size_t>(i)].center(), axis);
-                             const double y = along(boxes[static_cast<std::size_t>(j)].center(), axis);
-                             return x != y ? x < y : i < j;
-                         });
-        build(boxes, first, middle);
-        node.right = build(boxes, middle, last);
-    }
-    nodes_[static_cast<std::size_t>(id)] = node;
-    return id;
+std::vector<std::int32_t> BoxTree::renumber() {
+    std::vector<std::int32_t> order = items_;
+    std::iota(items_.begin(), items_.end(), 0);
+    return order;
 }
 
 std::vector<double> BoxTree::smallest(std::span<const double> values) const {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -41,11 +42,27 @@ struct Box {
     }
 };
 
+/// The axis along which a vector is longest, the first of equal ones.
+inline double Vec3::*longest_axis(const Vec3 &v) {
+    return v.x >= v.y && v.x >= v.z ? &Vec3::x : v.y >= v.z ? &Vec3::y : &Vec3::z;
+}
+
 /// A bounding-volume tree over boxes. It knows no geometry: the callers measure their own items.
 class BoxTree {
   public:
     BoxTree() = default;
+    /// Items are halved by the centers of their boxes.
     explicit BoxTree(std::span<const Box> boxes);
+    /// `halve(box, items, middle)` puts those first, up to `middle`, that are to be in the same half; `box` is round
+    /// all of the items.
+    template <class Halve> BoxTree(std::span<const Box> boxes, const Halve &halve) : items_(boxes.size()) {
+        std::iota(items_.begin(), items_.end(), 0);
+        nodes_.reserve(boxes.size());
+        if (!boxes.empty())
+            build(boxes, 0, static_cast<std::int32_t>(boxes.size()), halve);
+    }
+    /// The items in the order of the leaves; from here on an item is named by its place in it.
+    std::vector<std::int32_t> renumber();
 
     bool empty() const { return nodes_.empty(); }
     std::size_t nodes() const { return nodes_.size(); }
@@ -112,13 +129,31 @@ class BoxTree {
   private:
     /// Median splits keep the depth near log2(n / 4): 128 entries outlast any input that fits memory.
     static constexpr std::size_t kDepth = 128;
+    static constexpr std::int32_t kLeaf = 4;
     struct Node {
         Box box;
         std::int32_t first = 0;
         std::int32_t last = 0;
         std::int32_t right = -1; // the left child follows its parent; -1 marks a leaf
     };
-    std::int32_t build(std::span<const Box> boxes, std::int32_t first, std::int32_t last);
+    template <class Halve>
+    std::int32_t build(std::span<const Box> boxes, std::int32_t first, std::int32_t last, const Halve &halve) {
+        const auto id = static_cast<std::int32_t>(nodes_.size());
+        Box box;
+        for (std::int32_t i = first; i < last; ++i)
+            box.add(boxes[static_cast<std::size_t>(items_[static_cast<std::size_t>(i)])]);
+        nodes_.push_back({box, first, last, -1});
+        if (last - first > kLeaf) {
+            const std::int32_t half = (last - first) / 2;
+            halve(box,
+                  std::span(items_).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)),
+                  static_cast<std::size_t>(half));
+            build(boxes, first, first + half, halve);
+            const std::int32_t right = build(boxes, first + half, last, halve);
+            nodes_[static_cast<std::size_t>(id)].right = right;
+        }
+        return id;
+    }
 
     std::vector<Node> nodes_;
     std::vector<std::int32_t> items_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/vec3.h"
+#include "geometry/box_tree.h"
 #include "geometry/closest_point.h"
 
 #include <algorithm>
@@ -9,14 +10,16 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 namespace wct::geometry {
 
-/// A tree of bounding boxes over segments (corners = 2) or triangles (corners = 3), for closest points.
-template <std::size_t corners> class BoundingTree {
+/// A BoxTree over segments (corners = 2) or triangles (corners = 3) with their neighbours: closest points, and the way
+/// from piece to piece.
+template <std::size_t corners> class PieceTree {
   public:
     using Piece = std::array<Vec3, corners>;
 
@@ -25,9 +28,8 @@ template <std::size_t corners> class BoundingTree {
         std::int32_t piece;
     };
 
-    explicit BoundingTree(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
-        if (!pieces_.empty())
-            split(0, static_cast<std::int32_t>(pieces_.size()));
+    explicit PieceTree(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+        build();
         if constexpr (corners == 3)
             for (const Piece &piece : pieces_)
                 frames_.emplace_back(piece);
@@ -39,39 +41,16 @@ template <std::size_t corners> class BoundingTree {
     /// `guess` is a piece known or hoped to be near: the better the guess, the less of the tree is visited.
     Closest closest(const Vec3 &x, std::int32_t guess = 0) const {
         Closest best{closest_of(guess, x), guess};
-        double distance = dot(best.point - x, best.point - x);
-        struct Waiting {
-            std::int32_t node;
-            double distance;
-        };
-        std::array<Waiting, 64> stack; // the tree halves: no deeper than the bits of a count
-        std::size_t size = 0;
-        stack[size++] = {0, 0.0};
-        while (size) {
-            const Waiting next = stack[--size];
-            if (next.distance >= distance)
-                continue;
-            const Node &node = nodes_[static_cast<std::size_t>(next.node)];
-            if (node.right < 0) {
-                for (std::int32_t i = node.first; i < node.last; ++i) {
-                    const Vec3 point = closest_of(i, x);
-                    const double d = dot(point - x, point - x);
-                    if (d < distance) {
-                        distance = d;
-                        best = {point, i};
-                    }
-                }
-                continue;
-            }
-            Waiting nearer{next.node + 1, nodes_[static_cast<std::size_t>(next.node) + 1].squared_distance(x)};
-            Waiting farther{node.right, nodes_[static_cast<std::size_t>(node.right)].squared_distance(x)};
-            if (farther.distance < nearer.distance)
-                std::swap(nearer, farther);
-            if (farther.distance < distance)
-                stack[size++] = farther;
-            if (nearer.distance < distance)
-                stack[size++] = nearer;
-        }
+        tree_.minimise(
+            dot(best.point - x, best.point - x), [&](std::size_t node) { return tree_.box(node).square(x); },
+            [&](std::size_t item, double nearest) {
+                const auto piece = static_cast<std::int32_t>(item);
+                const Vec3 point = closest_of(piece, x);
+                const double square = dot(point - x, point - x);
+                if (square < nearest)
+                    best = {point, piece};
+                return square;
+            });
         return best;
     }
 
@@ -145,43 +124,18 @@ template <std::size_t corners> class BoundingTree {
     std::int32_t within(const Vec3 &x, double distance, std::int32_t guess) const {
         if (const Near near = downhill(x, distance, guess); near.square <= distance)
             return near.piece;
-        std::array<std::int32_t, 64> stack;
-        std::size_t size = 0;
-        stack[size++] = 0;
-        while (size) {
-            const std::int32_t index = stack[--size];
-            const Node &node = nodes_[static_cast<std::size_t>(index)];
-            if (node.squared_distance(x) > distance)
-                continue;
-            if (node.right >= 0) {
-                stack[size++] = node.right;
-                stack[size++] = index + 1;
-                continue;
-            }
-            for (std::int32_t i = node.first; i < node.last; ++i)
-                if (reaches(i, x, distance))
-                    return i;
-        }
-        return -1;
+        std::int32_t found = -1;
+        tree_.visit([&](const Box &box) { return box.square(x) <= distance; },
+                    [&](std::size_t item) {
+                        if (!reaches(static_cast<std::int32_t>(item), x, distance))
+                            return false;
+                        found = static_cast<std::int32_t>(item);
+                        return true;
+                    });
+        return found;
     }
 
   private:
-    static constexpr std::int32_t kLeaf = 4;
-
-    struct Node {
-        Vec3 low;
-        Vec3 high;
-        std::int32_t first;
-        std::int32_t last;
-        std::int32_t right = -1; // the left child follows its parent; a leaf has none
-
-        double squared_distance(const Vec3 &x) const {
-            const Vec3 d{std::max({low.x - x.x, 0.0, x.x - high.x}), std::max({low.y - x.y, 0.0, x.y - high.y}),
-                         std::max({low.z - x.z, 0.0, x.z - high.z})};
-            return dot(d, d);
-        }
-    };
-
     Vec3 closest_of(std::int32_t piece, const Vec3 &x) const {
         const Piece &c = pieces_[static_cast<std::size_t>(piece)];
         if constexpr (corners == 3)
@@ -231,43 +185,34 @@ template <std::size_t corners> class BoundingTree {
             }
     }
 
-    static Vec3 middle(const Piece &piece) {
-        Vec3 sum;
-        for (const Vec3 &corner : piece)
-            sum += corner;
-        return sum;
+    /// Pieces are halved by the means of their corners along the longest side of the box round them, and put in the
+    /// tree's order, so that those of one leaf lie side by side in memory.
+    void build() {
+        std::vector<Box> boxes(pieces_.size());
+        for (std::size_t k = 0; k < pieces_.size(); ++k)
+            for (const Vec3 &corner : pieces_[k])
+                boxes[k].add(corner);
+        const auto middle = [&](std::int32_t k) {
+            Vec3 sum;
+            for (const Vec3 &corner : pieces_[static_cast<std::size_t>(k)])
+                sum += corner;
+            return sum;
+        };
+        tree_ = BoxTree(boxes, [&](const Box &box, std::span<std::int32_t> items, std::size_t half) {
+            double Vec3::*const axis = longest_axis(box.hi - box.lo);
+            std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
+                             [&](std::int32_t i, std::int32_t j) { return middle(i).*axis < middle(j).*axis; });
+        });
+        std::vector<Piece> ordered;
+        ordered.reserve(pieces_.size());
+        for (const std::int32_t k : tree_.renumber())
+            ordered.push_back(pieces_[static_cast<std::size_t>(k)]);
+        pieces_ = std::move(ordered);
     }
 
-    std::int32_t split(std::int32_t first, std::int32_t last) {
-        constexpr double huge = std::numeric_limits<double>::infinity();
-        Node node{{huge, huge, huge}, {-huge, -huge, -huge}, first, last};
-        for (std::int32_t i = first; i < last; ++i)
-            for (const Vec3 &corner : pieces_[static_cast<std::size_t>(i)]) {
-                node.low = {std::min(node.low.x, corner.x), std::min(node.low.y, corner.y),
-                            std::min(node.low.z, corner.z)};
-                node.high = {std::max(node.high.x, corner.x), std::max(node.high.y, corner.y),
-                             std::max(node.high.z, corner.z)};
-            }
-        const auto index = static_cast<std::int32_t>(nodes_.size());
-        nodes_.push_back(node);
-        if (last - first > kLeaf) {
-            const Vec3 extent = node.high - node.low;
-            double Vec3::*axis = extent.x >= extent.y && extent.x >= extent.z ? &Vec3::x
-                                 : extent.y >= extent.z                       ? &Vec3::y
-                                                                              : &Vec3::z;
-            const std::int32_t half = first + (last - first) / 2;
-            std::nth_element(pieces_.begin() + first, pieces_.begin() + half, pieces_.begin() + last,
-                             [axis](const Piece &a, const Piece &b) { return middle(a).*axis < middle(b).*axis; });
-            split(first, half);
-            const std::int32_t right = split(half, last);
-            nodes_[static_cast<std::size_t>(index)].right = right;
-        }
-        return index;
-    }
-
+    BoxTree tree_;
     std::vector<Piece> pieces_;
-    std::vector<TriangleFrame> frames_; // of triangles
-    std::vector<Node> nodes_;
+    std::vector<TriangleFrame> frames_;                         // of triangles
     std::vector<std::array<std::int32_t, corners>> neighbours_; // of each piece; -1: none
 };
 

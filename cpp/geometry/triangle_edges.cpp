@@ -19,7 +19,7 @@ TriangleEdges::TriangleEdges(std::span<const Facet> triangles) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (int i = 0; i < 3; ++i) {
             const int a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-            sides.push_back({{std::min(a, b), std::max(a, b)}, static_cast<int>(t), a < b});
+            sides.push_back({sorted(a, b), static_cast<int>(t), a < b});
         }
     std::sort(sides.begin(), sides.end());
     for (std::size_t k = 0; k < sides.size(); ++k) {
@@ -31,6 +31,12 @@ TriangleEdges::TriangleEdges(std::span<const Facet> triangles) {
         forward_.push_back(sides[k].forward);
     }
     starts_.push_back(sides.size());
+}
+
+std::span<const int> TriangleEdges::owners(const Edge &edge) const {
+    const auto at = std::lower_bound(edges_.begin(), edges_.end(), edge);
+    return at != edges_.end() && *at == edge ? owners(static_cast<std::size_t>(at - edges_.begin()))
+                                             : std::span<const int>{};
 }
 
 std::vector<double> bend_angles(std::span<const Vec3> points, std::span<const Facet> triangles,

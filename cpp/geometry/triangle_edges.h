@@ -20,6 +20,8 @@ class TriangleEdges {
     std::span<const int> owners(std::size_t e) const {
         return std::span(owners_).subspan(starts_[e], starts_[e + 1] - starts_[e]);
     }
+    /// The triangles of the edge with these ends, ascending both; empty where it is none.
+    std::span<const int> owners(const Edge &edge) const;
     bool paired(std::size_t e) const { return starts_[e + 1] - starts_[e] == 2; }
     int first(std::size_t e) const { return owners_[starts_[e]]; }
     int last(std::size_t e) const { return owners_[starts_[e + 1] - 1]; }

@@ -1,5 +1,6 @@
 #include "library/crease_noise.h"
 
+#include "base/sort_unique.h"
 #include "library/edge_chains.h"
 
 #include <algorithm>
@@ -101,8 +102,7 @@ bool wipe_specks(const geometry::TriangleEdges &edges, std::size_t triangles, Cr
             if (creases.hard[e] || !edges.paired(e))
                 never[one] = never[other] = 1;
         }
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
+    sort_unique(around);
     std::vector<int> neighbours(triangles, 0);
     for (const auto &[one, other] : around) {
         ++neighbours[one];

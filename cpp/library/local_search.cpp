@@ -1,5 +1,6 @@
 #include "library/local_search.h"
 
+#include "base/sort_unique.h"
 #include "domain/local_tolerance.h"
 #include "geometry/triangle_edges.h"
 #include "library/surface_lengths.h"
@@ -43,9 +44,8 @@ std::vector<double> edge_lengths(const domain::InputMesh &mesh) {
     std::vector<Edge> edges;
     for (const auto &tet : mesh.tets)
         for (const auto &[i, k] : kEdges)
-            edges.push_back(search::sorted(tet[i], tet[k]));
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+            edges.push_back(sorted(tet[i], tet[k]));
+    sort_unique(edges);
     std::vector<double> sum(mesh.points.size(), 0.0), count(mesh.points.size(), 0.0);
     for (const auto &[a, b] : edges)
         for (const int v : {a, b}) {

@@ -1,6 +1,7 @@
 #include "library/mesh.h"
 
 #include "base/cells.h"
+#include "base/sort_unique.h"
 #include "geometry/box_tree.h"
 #include "geometry/predicates.h"
 
@@ -84,8 +85,7 @@ void number_regions(const WellCenterInput &input, Mesh &mesh) {
         return;
     }
     mesh.regions.assign(input.regions.begin(), input.regions.end());
-    std::sort(mesh.regions.begin(), mesh.regions.end());
-    mesh.regions.erase(std::unique(mesh.regions.begin(), mesh.regions.end()), mesh.regions.end());
+    sort_unique(mesh.regions);
     for (const int tag : input.regions)
         mesh.cells.region.push_back(
             static_cast<int>(std::lower_bound(mesh.regions.begin(), mesh.regions.end(), tag) - mesh.regions.begin()));

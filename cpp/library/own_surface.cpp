@@ -82,7 +82,7 @@ std::vector<double> enclosed_volumes(const OwnSurface &surface, std::size_t regi
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
         const auto &[a, b, c] = surface.triangles[t];
         const auto &at = surface.points;
-        const double cone = dot(cross(at[a] - middle, at[b] - middle), at[c] - middle) / 6.0;
+        const double cone = six_volumes(middle, at[a], at[b], at[c]) / 6.0;
         const auto &[behind, before] = surface.sides[surface.strata.patch[t]];
         if (behind >= 0)
             volume[behind] += cone;

@@ -1,5 +1,6 @@
 #include "library/surface_lengths.h"
 
+#include "base/sort_unique.h"
 #include "geometry/triangle_edges.h"
 
 #include <algorithm>
@@ -35,8 +36,7 @@ struct Wedges {
         for (std::size_t t = 0; t < surface.triangles.size(); ++t)
             for (int i = 0; i < 3; ++i)
                 all.push_back(of(t, i));
-        std::sort(all.begin(), all.end());
-        all.erase(std::unique(all.begin(), all.end()), all.end());
+        sort_unique(all);
         for (const auto &[v, p] : all) {
             point.push_back(v);
             patch.push_back(p);

@@ -70,12 +70,12 @@ WellCenterSurface shown(const OwnSurface &surface, const Mesh &mesh, const std::
 WellCenterSurface surface_after(const search::StratifiedMesh &made, const Mesh &mesh, const OwnSurface &own) {
     std::unordered_map<Facet, int, search::KeyHash> patch;
     for (std::size_t k = 0; k < made.facets.size(); ++k)
-        patch[search::sorted(made.facets[k][0], made.facets[k][1], made.facets[k][2])] = made.facet_patch[k];
+        patch[sorted(made.facets[k][0], made.facets[k][1], made.facets[k][2])] = made.facet_patch[k];
     OwnSurface after;
     after.sides = own.sides;
     after.triangles = surface_of(made.tets, made.region).triangles;
     for (const auto &[a, b, c] : after.triangles)
-        after.strata.patch.push_back(patch.at(search::sorted(a, b, c)));
+        after.strata.patch.push_back(patch.at(sorted(a, b, c)));
     after.strata.segments = made.creases;
     after.strata.curve = made.crease_curve;
     after.strata.stratum = made.stratum;

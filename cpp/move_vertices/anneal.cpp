@@ -50,7 +50,7 @@ struct TetState {
 
 class Search {
   public:
-    Search(MovingMesh &mesh, Domain &domain, Goal goal, std::uint64_t seed)
+    Search(MovingMesh &mesh, BoundaryDomain &domain, Goal goal, std::uint64_t seed)
         : mesh_(mesh), domain_(domain), cosines_(goal == Goal::completely_well_centered), random_(seed),
           state_(mesh.tets().size()), reach_(mesh.points.size()) {
         for (const auto p : mesh.free())
@@ -144,7 +144,7 @@ class Search {
     }
 
     MovingMesh &mesh_;
-    Domain &domain_;
+    BoundaryDomain &domain_;
     bool cosines_;
     Random random_;
     Cost cost_{};
@@ -156,7 +156,7 @@ class Search {
 
 } // namespace
 
-void anneal(MovingMesh &mesh, Domain &domain, Goal goal, double margin, const Annealing &annealing,
+void anneal(MovingMesh &mesh, BoundaryDomain &domain, Goal goal, double margin, const Annealing &annealing,
             std::span<const std::int32_t> points, Monitor &monitor) {
     Search search(mesh, domain, goal, annealing.seed);
     const int frozen = annealing.sweeps / 20;

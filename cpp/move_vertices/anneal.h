@@ -38,7 +38,7 @@ struct Annealing {
 ///
 /// No tet turns inside out or becomes flatter than the mesh allows. Only the given points move. The positions it ends
 /// at are usually the best of the run but need not be: the caller compares.
-void anneal(MovingMesh &mesh, Domain &domain, Goal goal, double margin, const Annealing &annealing,
+void anneal(MovingMesh &mesh, BoundaryDomain &domain, Goal goal, double margin, const Annealing &annealing,
             std::span<const std::int32_t> points, Monitor &monitor);
 
 } // namespace wct::move_vertices

@@ -55,7 +55,7 @@ template <class... Functions> struct Overload : Functions... {
 
 } // namespace
 
-Domain::Domain(const Problem &problem, double tolerance)
+BoundaryDomain::BoundaryDomain(const Problem &problem, double tolerance)
     : where_(problem.points.size(), kFixed), last_(problem.points.size(), 0), tolerance_(tolerance),
       limit_(square(kShares.at * tolerance)), offsets_(problem.points.size() + 1, 0) {
     auto triangles = by_label(problem.points, problem.triangles, problem.triangle_patch);
@@ -92,8 +92,8 @@ Domain::Domain(const Problem &problem, double tolerance)
         watch(problem, patches, curves);
 }
 
-void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
-                   const std::map<std::int64_t, std::int32_t> &curves) {
+void BoundaryDomain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches,
+                           const std::map<std::int64_t, std::int32_t> &curves) {
     support_creases(problem, patches);
     std::set<std::array<std::int32_t, 3>> edges; // patch, ends
     Known known;
@@ -121,16 +121,16 @@ void Domain::watch(const Problem &problem, std::map<std::int64_t, std::int32_t> 
     list_watched();
 }
 
-bool Domain::any_moves(std::span<const std::int32_t> corners) const {
+bool BoundaryDomain::any_moves(std::span<const std::int32_t> corners) const {
     return std::any_of(corners.begin(), corners.end(), [this](std::int32_t corner) { return moves(corner); });
 }
 
-bool Domain::curved(std::int32_t support) const {
+bool BoundaryDomain::curved(std::int32_t support) const {
     const Support &s = supports_[static_cast<std::size_t>(support)];
-    return std::holds_alternative<geometry::BoundingTree<3>>(s) || std::holds_alternative<geometry::BoundingTree<2>>(s);
+    return std::holds_alternative<geometry::PieceTree<3>>(s) || std::holds_alternative<geometry::PieceTree<2>>(s);
 }
 
-void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches) {
+void BoundaryDomain::support_creases(const Problem &problem, std::map<std::int64_t, std::int32_t> &patches) {
     std::map<std::int64_t, std::vector<std::array<Vec3, 3>>> triangles;
     for (std::size_t i = 0; i < problem.triangles.size(); ++i)
         if (any_moves(problem.triangles[i]) && !patches.contains(problem.triangle_patch[i])) {
@@ -141,17 +141,18 @@ void Domain::support_creases(const Problem &problem, std::map<std::int64_t, std:
         }
 }
 
-void Domain::add_watched(const Watched &watched, const Problem &problem, Known &known) {
+void BoundaryDomain::add_watched(const Watched &watched, const Problem &problem, Known &known) {
     watched_.push_back(watched);
-    covered_.emplace_back();
+    int &first = covered_.first.emplace_back(-1);
     for (const auto corner : watched.corners)
         if (watched.covers && corner >= 0 && known.insert({watched.support, corner}).second) {
-            covered_.back().push_back(static_cast<std::int32_t>(landmarks_.size()));
+            const auto owner = static_cast<std::int32_t>(watched_.size()) - 1;
+            covered_.owners.own(covered_.owners.add(), owner, first);
             landmarks_.push_back(problem.points[static_cast<std::size_t>(corner)]);
         }
 }
 
-void Domain::list_watched() {
+void BoundaryDomain::list_watched() {
     for (const Watched &w : watched_)
         for (const auto corner : w.corners)
             if (corner >= 0 && moves(corner))
@@ -167,7 +168,7 @@ void Domain::list_watched() {
 }
 
 /// Is the middle of this facet, edge or segment near its patch or curve? What is not near is mostly not near there.
-bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
+bool BoundaryDomain::middle_near(Watched &watched, std::span<const Vec3> points) const {
     const auto corner = [&](std::size_t i) -> const Vec3 & {
         return points[static_cast<std::size_t>(watched.corners[i])];
     };
@@ -176,7 +177,7 @@ bool Domain::middle_near(Watched &watched, std::span<const Vec3> points) const {
                                               : (1.0 / 3.0) * (corner(0) + corner(1) + corner(2)));
 }
 
-bool Domain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const {
+bool BoundaryDomain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) const {
     return std::visit(Overload{
                           [](const Plane &) { return true; },
                           [](const Line &) { return true; },
@@ -192,7 +193,7 @@ bool Domain::sample_near(Watched &watched, std::size_t sample, const Vec3 &x) co
 
 /// And the rest of it? Edges are checked all along, facets by samples inside: where surfaces lie side by side they are
 /// farthest apart on an edge or at a landmark.
-bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
+bool BoundaryDomain::rest_near(Watched &watched, std::span<const Vec3> points) const {
     const Vec3 &a = points[static_cast<std::size_t>(watched.corners[0])];
     const Vec3 &b = points[static_cast<std::size_t>(watched.corners[1])];
     if (watched.corners[2] < 0)
@@ -209,7 +210,7 @@ bool Domain::rest_near(Watched &watched, std::span<const Vec3> points) const {
            sample_near(watched, 3, 0.5 * (c + middle));
 }
 
-bool Domain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec3> points) const {
+bool BoundaryDomain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec3> points) const {
     const Watched &w = watched_[static_cast<std::size_t>(watched)];
     const Vec3 &a = points[static_cast<std::size_t>(w.corners[0])];
     const Vec3 &b = points[static_cast<std::size_t>(w.corners[1])];
@@ -221,8 +222,8 @@ bool Domain::covers(std::int32_t watched, const Vec3 &place, std::span<const Vec
 }
 
 /// What is near this place now that the point has moved: `first`, or something around its corners; or -1.
-std::int32_t Domain::cover(std::int32_t first, const Vec3 &place, std::int32_t point,
-                           std::span<const Vec3> points) const {
+std::int32_t BoundaryDomain::cover(std::int32_t first, const Vec3 &place, std::int32_t point,
+                                   std::span<const Vec3> points) const {
     if (covers(first, place, points))
         return first;
     const Watched &was = watched_[static_cast<std::size_t>(first)];
@@ -243,7 +244,7 @@ std::int32_t Domain::cover(std::int32_t first, const Vec3 &place, std::int32_t p
     return -1;
 }
 
-bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
+bool BoundaryDomain::admit(std::int32_t point, std::span<const Vec3> points) {
     const auto star = watched(point);
     for (const auto i : star)
         if (!middle_near(watched_[static_cast<std::size_t>(i)], points))
@@ -253,21 +254,21 @@ bool Domain::admit(std::int32_t point, std::span<const Vec3> points) {
             return false;
     handed_.clear();
     for (const auto i : star)
-        for (const auto l : covered_[static_cast<std::size_t>(i)]) {
+        for (int l = covered_.first[static_cast<std::size_t>(i)]; l >= 0; l = covered_.owners.next(l)) {
             const std::int32_t to = cover(i, landmarks_[static_cast<std::size_t>(l)], point, points);
             if (to < 0)
                 return false;
             if (to != i)
-                handed_.push_back({l, i, to});
+                handed_.push_back({l, to});
         }
-    for (const auto &[l, from, to] : handed_) {
-        std::erase(covered_[static_cast<std::size_t>(from)], l);
-        covered_[static_cast<std::size_t>(to)].push_back(l);
+    for (const auto &[l, to] : handed_) {
+        covered_.owners.disown(l, covered_.first[static_cast<std::size_t>(covered_.owners.owner(l))]);
+        covered_.owners.own(l, to, covered_.first[static_cast<std::size_t>(to)]);
     }
     return true;
 }
 
-Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
+BoundaryDomain::Support BoundaryDomain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
     // The normal of the sum of all triangles, each turned to the side of the largest: small ones have poor normals.
     Vec3 largest;
     for (const auto &t : triangles) {
@@ -293,10 +294,10 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 3>> triangles) {
         if (flat)
             return plane;
     }
-    return geometry::BoundingTree<3>(std::move(triangles));
+    return geometry::PieceTree<3>(std::move(triangles));
 }
 
-Domain::Support Domain::support_of(std::vector<std::array<Vec3, 2>> segments) {
+BoundaryDomain::Support BoundaryDomain::support_of(std::vector<std::array<Vec3, 2>> segments) {
     const Vec3 origin = segments.front().front();
     Vec3 far;
     for (const auto &s : segments)
@@ -315,10 +316,10 @@ Domain::Support Domain::support_of(std::vector<std::array<Vec3, 2>> segments) {
         if (straight)
             return line;
     }
-    return geometry::BoundingTree<2>(std::move(segments));
+    return geometry::PieceTree<2>(std::move(segments));
 }
 
-Vec3 Domain::retract(std::int32_t point, const Vec3 &x) {
+Vec3 BoundaryDomain::retract(std::int32_t point, const Vec3 &x) {
     if (where(point) == kInterior)
         return x;
     std::int32_t &last = last_[static_cast<std::size_t>(point)];
@@ -335,19 +336,19 @@ Vec3 Domain::retract(std::int32_t point, const Vec3 &x) {
         support(point));
 }
 
-Vec3 Domain::tangential(std::int32_t point, const Vec3 &x, const Vec3 &v) {
+Vec3 BoundaryDomain::tangential(std::int32_t point, const Vec3 &x, const Vec3 &v) {
     if (where(point) == kInterior)
         return v;
     std::int32_t &last = last_[static_cast<std::size_t>(point)];
     return std::visit(Overload{
                           [&](const Plane &plane) { return v - dot(v, plane.normal) * plane.normal; },
                           [&](const Line &line) { return dot(v, line.direction) * line.direction; },
-                          [&](const geometry::BoundingTree<3> &tree) {
+                          [&](const geometry::PieceTree<3> &tree) {
                               last = tree.closest(x, last).piece;
                               const Vec3 n = unit(normal_of(tree.pieces()[static_cast<std::size_t>(last)]));
                               return v - dot(v, n) * n;
                           },
-                          [&](const geometry::BoundingTree<2> &tree) {
+                          [&](const geometry::PieceTree<2> &tree) {
                               last = tree.closest(x, last).piece;
                               const auto &[a, b] = tree.pieces()[static_cast<std::size_t>(last)];
                               const Vec3 d = unit(b - a);

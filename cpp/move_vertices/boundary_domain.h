@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/vec3.h"
+#include "geometry/landmark_owners.h"
 #include "geometry/piece_tree.h"
 #include "move_vertices/problem.h"
 
@@ -21,11 +22,11 @@ namespace wct::move_vertices {
 /// Points on a curved patch do not keep its facets on it. So the domain also keeps watch that the facets, as they lie
 /// now, and their patch, as it lay at the start, stay within the tolerance of each other, and likewise the segments of
 /// a curved crease and its curve.
-class Domain {
+class BoundaryDomain {
   public:
     /// Throws std::invalid_argument where a point's patch or curve has no piece. No watch is kept with an infinite
     /// tolerance.
-    Domain(const Problem &problem, double tolerance);
+    BoundaryDomain(const Problem &problem, double tolerance);
 
     bool moves(std::int32_t point) const { return where(point) != kFixed; }
 
@@ -55,7 +56,7 @@ class Domain {
         Vec3 origin;
         Vec3 direction;
     };
-    using Support = std::variant<Plane, Line, geometry::BoundingTree<3>, geometry::BoundingTree<2>>;
+    using Support = std::variant<Plane, Line, geometry::PieceTree<3>, geometry::PieceTree<2>>;
 
     static constexpr std::int32_t kInterior = -1;
     static constexpr std::int32_t kFixed = -2;
@@ -106,9 +107,14 @@ class Domain {
     std::vector<std::size_t> offsets_; // per point: what of watched_ it is a corner of
     std::vector<std::int32_t> stars_;
     std::vector<Vec3> landmarks_; // vertices of the surface at the start, once for each of their patches and curves
-    std::vector<std::vector<std::int32_t>> covered_; // per watched: the landmarks found near it
-    std::vector<std::vector<std::int32_t>> kept_;
-    std::vector<std::array<std::int32_t, 3>> handed_; // landmark, from whom and to whom it goes if a move is admitted
+    /// What of the watched has each landmark near it.
+    struct Covered {
+        geometry::LandmarkOwners<std::int32_t> owners;
+        std::vector<int> first; // per watched: of its landmarks
+    };
+    Covered covered_;
+    Covered kept_;
+    std::vector<std::array<std::int32_t, 2>> handed_; // landmark, and to whom it goes if a move is admitted
 };
 
 } // namespace wct::move_vertices

@@ -16,7 +16,7 @@ constexpr energy::LbfgsForm kForm{.memory = 10, .trials = 20, .shorter = 0.4, .w
 /// mesh move alike.
 class FreePoints {
   public:
-    FreePoints(MovingMesh &mesh, Domain &domain, const Objective &objective, int iterations, Monitor &monitor)
+    FreePoints(MovingMesh &mesh, BoundaryDomain &domain, const Objective &objective, int iterations, Monitor &monitor)
         : mesh_(mesh), domain_(domain), objective_(objective), iterations_(iterations), monitor_(monitor),
           at_(mesh.points), raw_(mesh.points.size()) {}
 
@@ -78,7 +78,7 @@ class FreePoints {
     }
 
     MovingMesh &mesh_;
-    Domain &domain_;
+    BoundaryDomain &domain_;
     const Objective &objective_;
     int iterations_;
     Monitor &monitor_;
@@ -89,7 +89,8 @@ class FreePoints {
 
 } // namespace
 
-Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, int iterations, Monitor &monitor) {
+Outcome descend(MovingMesh &mesh, BoundaryDomain &domain, const Objective &objective, int iterations,
+                Monitor &monitor) {
     if (mesh.free().empty())
         return Outcome::converged;
     FreePoints points(mesh, domain, objective, iterations, monitor);

@@ -16,6 +16,6 @@ using energy::Outcome;
 ///
 /// Every accepted step has a finite energy, so no tet turns inside out, and lowers it. `jammed` means that no step
 /// along the steepest descent lowers it: the energy has a kink there, or the mesh starts at an infinite energy.
-Outcome descend(MovingMesh &mesh, Domain &domain, const Objective &objective, int iterations, Monitor &monitor);
+Outcome descend(MovingMesh &mesh, BoundaryDomain &domain, const Objective &objective, int iterations, Monitor &monitor);
 
 } // namespace wct::move_vertices

@@ -17,7 +17,7 @@ constexpr int kMends = 3;
 /// The rounds that lead from the input to the result. Each starts from the best positions so far.
 class Course {
   public:
-    Course(MovingMesh mesh, Domain &domain, const Aim &aim, Monitor &monitor)
+    Course(MovingMesh mesh, BoundaryDomain &domain, const Aim &aim, Monitor &monitor)
         : mesh_(std::move(mesh)), domain_(domain), aim_(aim), monitor_(monitor), judge_(aim.goal, aim.margin),
           points_(mesh_.points), start_(judge_.judge(points_, mesh_.tets())), best_(start_) {
         monitor_.set_bad(missing());
@@ -157,7 +157,7 @@ class Course {
     }
 
     MovingMesh mesh_;
-    Domain &domain_;
+    BoundaryDomain &domain_;
     Aim aim_;
     Monitor &monitor_;
     PositionJudge judge_;
@@ -171,7 +171,7 @@ class Course {
 Result well_center(const Problem &problem, const Aim &aim, Monitor &monitor) {
     const auto order = spatial_order(problem.points);
     const Problem ordered = renumbered(problem, order);
-    Domain domain(ordered, aim.tolerance);
+    BoundaryDomain domain(ordered, aim.tolerance);
     std::vector<bool> free(ordered.points.size());
     for (std::size_t p = 0; p < free.size(); ++p)
         free[p] = domain.moves(static_cast<std::int32_t>(p));

@@ -1,5 +1,7 @@
 #include "move_vertices/problem.h"
 
+#include "geometry/box_tree.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -23,12 +25,10 @@ std::vector<std::int32_t> spatial_order(const std::vector<Vec3> &points) {
     std::iota(order.begin(), order.end(), 0);
     if (points.empty())
         return order;
-    Vec3 low = points.front();
-    Vec3 high = low;
-    for (const Vec3 &p : points) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
+    geometry::Box box;
+    for (const Vec3 &p : points)
+        box.add(p);
+    const auto &[low, high] = box;
     const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
     std::vector<std::uint64_t> key(points.size());
     const auto cell = [extent](double offset) {

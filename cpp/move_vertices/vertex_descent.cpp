@@ -35,7 +35,7 @@ class Inverse {
 };
 
 /// Returns whether the point moved.
-bool relocate_one(MovingMesh &mesh, Domain &domain, const Objective &objective, std::int32_t point,
+bool relocate_one(MovingMesh &mesh, BoundaryDomain &domain, const Objective &objective, std::int32_t point,
                   std::vector<energy::TetLanes> &lanes, std::size_t &work) {
     Vec3 &x = mesh.points[static_cast<std::size_t>(point)];
     const double size = mesh.size(point);
@@ -88,8 +88,8 @@ bool relocate_one(MovingMesh &mesh, Domain &domain, const Objective &objective, 
 
 } // namespace
 
-std::size_t relocate(MovingMesh &mesh, Domain &domain, const Objective &objective, std::span<const std::int32_t> points,
-                     int sweeps, Monitor &monitor) {
+std::size_t relocate(MovingMesh &mesh, BoundaryDomain &domain, const Objective &objective,
+                     std::span<const std::int32_t> points, int sweeps, Monitor &monitor) {
     std::vector<energy::TetLanes> lanes;
     std::size_t moves = 0;
     for (int sweep = 0; sweep < sweeps; ++sweep) {

@@ -1,11 +1,11 @@
 #include "refill/pinned_facets.h"
 
+#include "base/facet_uses.h"
 #include "delaunay/cocircular_diagonals.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 namespace wct::refill {
 
@@ -29,13 +29,13 @@ PinnedFacets::PinnedFacets(const domain::InputMesh &mesh, std::span<const Facet>
             held.push_back(edge);
     std::sort(held.begin(), held.end());
     for (const auto &[a, b] : edges)
-        if (const Edge edge{std::min(a, b), std::max(a, b)}; !std::binary_search(held.begin(), held.end(), edge))
+        if (const Edge edge = sorted(a, b); !std::binary_search(held.begin(), held.end(), edge))
             loose.push_back(edge);
     std::sort(loose.begin(), loose.end());
     for (std::size_t t = 0; t < mesh.tets.size() && !loose.empty(); ++t)
         for (const auto &e : kEdges) {
             const int a = mesh.tets[t][e[0]], b = mesh.tets[t][e[1]];
-            if (std::binary_search(loose.begin(), loose.end(), Edge{std::min(a, b), std::max(a, b)}))
+            if (std::binary_search(loose.begin(), loose.end(), sorted(a, b)))
                 kept_[t] = 1;
         }
     std::vector<char> missing;
@@ -57,44 +57,31 @@ PinnedFacets::PinnedFacets(const domain::InputMesh &mesh, std::span<const Facet>
 
 /// The facets between what is kept and what is not, with what lies on either side.
 void PinnedFacets::gather() {
-    struct Half {
-        Facet facet;
-        int tet;
-        bool above; // the facet's normal points into the tet
-    };
-    std::vector<Half> halves;
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
-        for (const auto &f : kFacets) {
-            const auto &tet = mesh_.tets[t];
-            Half half{{tet[f[0]], tet[f[1]], tet[f[2]]}, static_cast<int>(t), false};
-            half.above = ascend(half.facet);
-            halves.push_back(half);
-        }
-    std::sort(halves.begin(), halves.end(),
-              [](const Half &a, const Half &b) { return std::tie(a.facet, a.tet) < std::tie(b.facet, b.tet); });
     sides_.clear();
     behind_.clear();
     std::vector<char> used(mesh_.points.size(), 0);
-    for (std::size_t k = 0, end = 0; k < halves.size(); k = end) {
-        Sides sides{halves[k].facet};
+    FacetUses(mesh_.tets, mesh_.points.size()).each([&](const Facet &facet, std::span<const FacetUses::Use> uses) {
+        Sides sides{facet};
         std::array<int, 2> open{-1, -1};
         bool some_kept = false;
-        for (end = k; end < halves.size() && halves[end].facet == halves[k].facet; ++end) {
-            if (kept_[halves[end].tet]) {
+        for (const FacetUses::Use &use : uses) {
+            const int t = use.tet();
+            if (kept_[t]) {
                 some_kept = true;
                 continue;
             }
-            sides.region[halves[end].above] = mesh_.region[halves[end].tet];
-            open[halves[end].above] = halves[end].tet;
+            Facet turned = inward_facet(mesh_.tets[t], use.corner());
+            const bool above = ascend(turned); // the facet's normal points into the tet
+            sides.region[above] = mesh_.region[t];
+            open[above] = t;
         }
-        if (open == std::array{-1, -1} ||
-            !(some_kept || std::binary_search(facets_.begin(), facets_.end(), sides.facet)))
-            continue;
-        for (const int v : sides.facet)
+        if (open == std::array{-1, -1} || !(some_kept || std::binary_search(facets_.begin(), facets_.end(), facet)))
+            return;
+        for (const int v : facet)
             used[v] = 1;
         sides_.push_back(sides);
         behind_.push_back(open);
-    }
+    });
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
         for (const int v : mesh_.tets[t])
             if (!kept_[t] && pinned_[v])
@@ -126,8 +113,7 @@ template <class Visit> void PinnedFacets::each_pinned(const std::vector<Tet> &te
     const auto count = static_cast<int>(points_.size());
     for (std::size_t t = 0; t < tets.size(); ++t)
         for (int i = 0; i < 4; ++i) {
-            const auto &f = kFacets[i];
-            Facet facet{tets[t][f[0]], tets[t][f[1]], tets[t][f[2]]};
+            Facet facet = inward_facet(tets[t], i);
             if (std::max({facet[0], facet[1], facet[2]}) >= count) // most are, and the look-up is not free
                 continue;
             const bool above = ascend(facet);

@@ -65,11 +65,7 @@ Refilled merged(const sampling::Cloud &cloud, const sampling::RestrictedDelaunay
     };
     for (std::size_t i = 0; i < cloud.count(); ++i)
         add(cloud.points[i], cloud.role[i] == Stratum::interior ? -1 : cloud.label[i], cloud.size[i]);
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t)
-        if (complex.region[t] >= 0) {
-            out.tets.push_back(complex.all.tets[t]);
-            out.region.push_back(complex.region[t]);
-        }
+    complex.append_inside(out.tets, out.region);
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         if (!facets.keeps(static_cast<int>(t)))
             continue;

@@ -1,5 +1,6 @@
 #include "sampling/cloud_descent.h"
 
+#include "base/sort_unique.h"
 #include "energy/lbfgs.h"
 
 #include <algorithm>
@@ -118,8 +119,7 @@ class Objective {
     bool yields(energy::Field &step) {
         if (blocked_.empty())
             return false;
-        std::sort(blocked_.begin(), blocked_.end());
-        blocked_.erase(std::unique(blocked_.begin(), blocked_.end()), blocked_.end());
+        sort_unique(blocked_);
         for (const int v : blocked_)
             step[v] = kHeldBack * step[v];
         return true;

@@ -1,5 +1,6 @@
 #include "sampling/crease_recovery.h"
 
+#include "base/sort_unique.h"
 #include "sampling/curve_chains.h"
 #include "sampling/held_surface.h"
 
@@ -27,10 +28,9 @@ Edges possible_creases(const Cloud &cloud, const domain::Reference &reference, c
         for (const auto &[i, j] : kEdges) {
             const int v = complex.all.tets[t][i], w = complex.all.tets[t][j];
             if (complex.region[t] >= 0 && (wire[v] || wire[w]))
-                edges.push_back({std::min(v, w), std::max(v, w)});
+                edges.push_back(sorted(v, w));
         }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sort_unique(edges);
     return edges;
 }
 
@@ -41,7 +41,7 @@ std::vector<CreaseGap> find_gaps(const Cloud &cloud, const domain::Reference &re
         for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
             const CurveStop &from = chains[c][k], &to = chains[c][k + 1];
             const int v = from.point, w = to.point;
-            if (v != w && !std::binary_search(edges.begin(), edges.end(), std::array{std::min(v, w), std::max(v, w)}))
+            if (v != w && !std::binary_search(edges.begin(), edges.end(), sorted(v, w)))
                 gaps.push_back({static_cast<int>(c), v, w, 0.5 * (from.at + to.at)});
         }
     return gaps;

@@ -39,8 +39,8 @@ double volume_of(const Cloud &cloud, const RestrictedDelaunay &complex) {
         if (complex.region[t] < 0)
             continue;
         const auto &tet = complex.all.tets[t];
-        const Vec3 &o = cloud.points[tet[0]];
-        volume += dot(cross(cloud.points[tet[1]] - o, cloud.points[tet[2]] - o), cloud.points[tet[3]] - o) / 6.0;
+        const auto &at = cloud.points;
+        volume += six_volumes(at[tet[0]], at[tet[1]], at[tet[2]], at[tet[3]]) / 6.0;
     }
     return volume;
 }
@@ -53,8 +53,8 @@ double enclosed_volume(const domain::SurfaceData &data) {
         const auto &[a, b, c] = data.triangles[t];
         const auto &sides = data.sides[data.patch[t]];
         if ((sides[0] < 0) != (sides[1] < 0))
-            volume += (sides[0] < 0 ? -1.0 : 1.0) *
-                      dot(cross(data.points[a] - o, data.points[b] - o), data.points[c] - o) / 6.0;
+            volume +=
+                (sides[0] < 0 ? -1.0 : 1.0) * six_volumes(o, data.points[a], data.points[b], data.points[c]) / 6.0;
     }
     return volume;
 }

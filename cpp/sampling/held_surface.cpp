@@ -207,8 +207,8 @@ void HeldSurface::each_held(const Cloud &cloud, const std::vector<Tet> &tets, co
     const std::vector<int> number = numbers(cloud);
     for (std::size_t t = 0; t < tets.size(); ++t)
         for (int i = 0; i < 4; ++i) {
-            const auto &f = kFacets[i];
-            Facet key{number[tets[t][f[0]]], number[tets[t][f[1]]], number[tets[t][f[2]]]};
+            const auto &[a, b, c] = inward_facet(tets[t], i);
+            Facet key{number[a], number[b], number[c]};
             if (std::min({key[0], key[1], key[2]}) < 0)
                 continue;
             const bool inward = ascend(key);
@@ -273,11 +273,10 @@ bool HeldSurface::complete(const Cloud &cloud, const RestrictedDelaunay &complex
         for (const auto &[i, j] : kEdges) {
             const int v = number[complex.all.tets[t][i]], w = number[complex.all.tets[t][j]];
             if (complex.region[t] >= 0 && v >= 0 && w >= 0)
-                edges.insert({std::min(v, w), std::max(v, w)});
+                edges.insert(sorted(v, w));
         }
-    return std::all_of(held_.edges.begin(), held_.edges.end(), [&](const Edge &edge) {
-        return edges.contains({std::min(edge[0], edge[1]), std::max(edge[0], edge[1])});
-    });
+    return std::all_of(held_.edges.begin(), held_.edges.end(),
+                       [&](const Edge &edge) { return edges.contains(sorted(edge[0], edge[1])); });
 }
 
 } // namespace wct::sampling

@@ -1,6 +1,7 @@
 #include "sampling/pinch_mending.h"
 
 #include "base/disjoint_sets.h"
+#include "base/sort_unique.h"
 
 #include <algorithm>
 #include <array>
@@ -122,8 +123,7 @@ class Mender {
                     others.push_back(w);
         }
         add_pieces(stars_[v], v, v, pieces);
-        std::sort(others.begin(), others.end());
-        others.erase(std::unique(others.begin(), others.end()), others.end());
+        sort_unique(others);
         for (const int w : others) {
             std::vector<int> ring;
             std::copy_if(stars_[v].begin(), stars_[v].end(), std::back_inserter(ring), [&](int t) {
@@ -164,8 +164,8 @@ class Mender {
 
     double volume(int t) const {
         const auto &[a, b, c, d] = complex_.all.tets[t];
-        const Vec3 &p = cloud_.points[a];
-        return std::fabs(dot(cross(cloud_.points[b] - p, cloud_.points[c] - p), cloud_.points[d] - p)) / 6.0;
+        const auto &at = cloud_.points;
+        return std::fabs(six_volumes(at[a], at[b], at[c], at[d])) / 6.0;
     }
 
     /// May this tet change sides? Interior points would come to light, flat tets would be of no use, and one that spans
@@ -190,8 +190,7 @@ class Mender {
             for (int i = 0; i < 4; ++i)
                 if (complex_.beyond(t, i) != complex_.region[t])
                     regions.push_back(complex_.beyond(t, i));
-        std::sort(regions.begin(), regions.end());
-        regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+        sort_unique(regions);
         return regions;
     }
 
@@ -202,8 +201,7 @@ class Mender {
             touched.insert(touched.end(), complex_.all.tets[t].begin(), complex_.all.tets[t].end());
             change.size += volume(t);
         }
-        std::sort(touched.begin(), touched.end());
-        touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+        sort_unique(touched);
         const auto total = [&] {
             int sum = 0;
             for (const int v : touched)

@@ -1,5 +1,7 @@
 #include "sampling/plane_recovery.h"
 
+#include "base/sort_unique.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -144,8 +146,7 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
             if (complex.all.neighbours[t][i] >= 0)
                 tets.push_back(complex.all.neighbours[t][i]);
         }
-    std::sort(tets.begin(), tets.end());
-    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    sort_unique(tets);
     return tets;
 }
 

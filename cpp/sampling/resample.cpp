@@ -72,7 +72,7 @@ void keep_upright(Cloud &cloud, const RestrictedDelaunay &complex, const std::ve
         for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
             const auto &tet = complex.all.tets[t];
             const auto volume = [&](const std::vector<Vec3> &at) {
-                return dot(cross(at[tet[1]] - at[tet[0]], at[tet[2]] - at[tet[0]]), at[tet[3]] - at[tet[0]]);
+                return six_volumes(at[tet[0]], at[tet[1]], at[tet[2]], at[tet[3]]);
             };
             const double size = cloud.size[tet[0]];
             if (complex.region[t] < 0 || volume(cloud.points) > std::min(flat * size * size * size, volume(before)))

@@ -1,6 +1,7 @@
 #include "sampling/restricted_delaunay.h"
 
 #include "base/disjoint_sets.h"
+#include "base/sort_unique.h"
 #include "geometry/euler_characteristic.h"
 #include "sampling/held_surface.h"
 #include "sampling/sheets.h"
@@ -30,8 +31,7 @@ double flatness(const std::vector<Vec3> &points, const Tet &tet) {
     for (int i = 0; i < 4; ++i)
         for (int j = i + 1; j < 4; ++j)
             mean += norm(points[tet[j]] - points[tet[i]]) / 6.0;
-    const Vec3 &a = points[tet[0]];
-    const double det = dot(cross(points[tet[1]] - a, points[tet[2]] - a), points[tet[3]] - a);
+    const double det = six_volumes(points[tet[0]], points[tet[1]], points[tet[2]], points[tet[3]]);
     // Four points on a line have no altitude worth the name: both det and area are rounding.
     constexpr double line = 1e-9; // twice the largest facet's area, per square of the mean edge
     return area > line * mean * mean ? det / (area * mean) : 0.0;
@@ -59,11 +59,9 @@ unsigned hiding_facets(const Cloud &cloud, const domain::Reference &reference, c
     if (!std::all_of(tet.begin(), tet.end(), [&](int v) { return on_curved(cloud, reference, v); }))
         return 0;
     unsigned bits = 0;
-    for (int i = 0; i < 4; ++i) {
-        const auto &f = kOutward[i];
-        if (shared_patches(cloud, reference, std::array{tet[f[0]], tet[f[1]], tet[f[2]]}).empty())
+    for (int i = 0; i < 4; ++i)
+        if (shared_patches(cloud, reference, outward_facet(tet, i)).empty())
             bits |= 1u << i;
-    }
     return bits;
 }
 
@@ -195,8 +193,15 @@ void find_double_fans(const RegionSurfaces &surfaces, DisjointSets &fans, std::v
 } // namespace
 
 Facet RestrictedDelaunay::facet(int t, int i) const {
-    const auto &tet = all.tets[t];
-    return {tet[kOutward[i][0]], tet[kOutward[i][1]], tet[kOutward[i][2]]};
+    return outward_facet(all.tets[t], i);
+}
+
+void RestrictedDelaunay::append_inside(std::vector<Tet> &tets, std::vector<int> &regions) const {
+    for (std::size_t t = 0; t < all.tets.size(); ++t)
+        if (region[t] >= 0) {
+            tets.push_back(all.tets[t]);
+            regions.push_back(region[t]);
+        }
 }
 
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
@@ -254,9 +259,8 @@ std::vector<Edge> surface_edges(const RestrictedDelaunay &complex) {
     std::vector<Edge> edges;
     for (const auto &f : surface_facets(complex))
         for (int k = 0; k < 3; ++k)
-            edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+            edges.push_back(sorted(f[k], f[(k + 1) % 3]));
+    sort_unique(edges);
     return edges;
 }
 
@@ -269,10 +273,8 @@ Flaws find_flaws(const Cloud &cloud, const RestrictedDelaunay &complex) {
                 flaws.exposed.push_back(v);
     DisjointSets fans = join_fans(surfaces, flaws.pinched);
     find_double_fans(surfaces, fans, flaws.pinched);
-    for (auto *list : {&flaws.exposed, &flaws.pinched}) {
-        std::sort(list->begin(), list->end());
-        list->erase(std::unique(list->begin(), list->end()), list->end());
-    }
+    sort_unique(flaws.exposed);
+    sort_unique(flaws.pinched);
     return flaws;
 }
 
@@ -288,8 +290,7 @@ std::vector<int> euler_characteristics(const RestrictedDelaunay &complex, const 
         for (const int v : surfaces.triangles[k])
             corners.push_back({surfaces.owner[k], v});
     }
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    sort_unique(corners);
     for (const auto &[region, v] : corners)
         sum[region] += 2;
     for (int &one : sum)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/cells.h"
+#include "delaunay/corners.h"
 #include "delaunay/moving_delaunay.h"
 #include "domain/reference.h"
 #include "domain/region_map.h"
@@ -27,6 +28,13 @@ struct RestrictedDelaunay {
         const int n = all.neighbours[t][i];
         return n < 0 ? -1 : region[n];
     }
+    /// The corner of the tet across that facet which the facet lacks.
+    int apex_beyond(int t, int i) const {
+        const int n = all.neighbours[t][i];
+        return all.tets[n][delaunay::place_of(all.neighbours[n], t)];
+    }
+    /// Add the tets that are inside, and their regions.
+    void append_inside(std::vector<Tet> &tets, std::vector<int> &regions) const;
     bool on_sheet(int t, int i) const {
         return !sheets.empty() && (sheets[t] >> i & 1) && region[t] >= 0 && beyond(t, i) == region[t];
     }

@@ -1,5 +1,6 @@
 #include "sampling/sheets.h"
 
+#include "base/sort_unique.h"
 #include "sampling/curve_chains.h"
 
 #include <algorithm>
@@ -84,8 +85,7 @@ std::vector<int> torn_sheets(const Cloud &cloud, const domain::Reference &refere
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_sheet(t, i) || t > complex.all.neighbours[t][i])
                 continue;
-            auto f = complex.facet(t, i);
-            std::sort(f.begin(), f.end());
+            const Facet f = sorted(complex.facet(t, i));
             domain::Foot foot;
             const int patch = sheet_of(cloud, reference, f, foot);
             for (const auto &[v, w] : {std::array{f[0], f[1]}, std::array{f[1], f[2]}, std::array{f[0], f[2]}})
@@ -146,8 +146,7 @@ std::vector<int> piercing_points(const Cloud &cloud, const domain::Reference &re
             if (is_on(reference, patch[v], reference.nearest(through, patch[v]).distance, edge))
                 out.push_back(std::fabs(above) < std::fabs(below) ? v : w);
         }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    sort_unique(out);
     return out;
 }
 

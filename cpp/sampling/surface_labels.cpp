@@ -52,7 +52,7 @@ std::map<Edge, int> slits(const Cloud &cloud, const domain::Reference &reference
         if (reference.patches_at_curve(c).size() <= 1)
             for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
                 const int a = chains[c][k].point, b = chains[c][k + 1].point;
-                edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, c);
+                edges.try_emplace(sorted(a, b), c);
             }
     return edges;
 }
@@ -92,7 +92,7 @@ SurfaceLabels label_surface(const Cloud &cloud, const RestrictedDelaunay &comple
         out.patch.push_back(patch);
         for (int k = 0; k < 3; ++k) {
             const int a = facet[k], b = facet[(k + 1) % 3];
-            auto &seen = edges.try_emplace(Edge{std::min(a, b), std::max(a, b)}, Patches{patch}).first->second;
+            auto &seen = edges.try_emplace(sorted(a, b), Patches{patch}).first->second;
             seen.crease |= seen.first != patch || ++seen.facets > 2;
         }
     }

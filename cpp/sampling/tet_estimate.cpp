@@ -88,7 +88,7 @@ double estimate_tets(const domain::Reference &reference, const domain::InputMesh
     workers.for_each(parts.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c, d] = mesh.tets[t];
         const Vec3 &p = mesh.points[a], &q = mesh.points[b], &r = mesh.points[c], &s = mesh.points[d];
-        const double volume = std::fabs(dot(cross(q - p, r - p), s - p)) / 6.0;
+        const double volume = std::fabs(six_volumes(p, q, r, s)) / 6.0;
         cut<4>({p, q, r, s}, volume, sizing, shortest, [&](const Vec3 &middle, double size, double content) {
             double cell = size / SeedForm{}.edge_per_cell;
             if (levels.count() > 1 && reference.nearest(middle).distance > skin * size)

@@ -46,8 +46,8 @@ class Inspection {
             expect(complex_.alive(t) && complex_.has(t, v), "in the star of a vertex that is none of it: tet", {t, v});
     }
 
-    void surface_facet(const Facet &key) const { expect(of_a_tet(key), "of no tet: surface facet", {}, key); }
-    void crease(const Edge &key) const { expect(of_a_tet(key), "of no tet: crease", {}, key); }
+    void surface_facet(const Facet &key) const { expect(complex_.has_cell(key), "of no tet: surface facet", {}, key); }
+    void crease(const Edge &key) const { expect(complex_.has_cell(key), "of no tet: crease", {}, key); }
 
     /// What the tets that went were at has others there.
     void gone(const Tet &tet) const {
@@ -77,16 +77,9 @@ class Inspection {
     }
 
   private:
-    template <class Cell> bool of_a_tet(const Cell &cell) const {
-        const auto &star = complex_.star(cell[0]);
-        return std::any_of(star.begin(), star.end(), [&](int t) {
-            return std::all_of(cell.begin(), cell.end(), [&](int v) { return complex_.has(t, v); });
-        });
-    }
-
     void facet(int t, int i) const {
         const Tet &tet = complex_.tet(t);
-        const int a = tet[kFacets[i][0]], b = tet[kFacets[i][1]], c = tet[kFacets[i][2]];
+        const auto [a, b, c] = inward_facet(tet, i);
         const Facet key = sorted(a, b, c);
         int others = 0, other = -1;
         for (const int s : complex_.star(a))

@@ -1,5 +1,6 @@
 // Taking a vertex away.
 
+#include "base/sort_unique.h"
 #include "search/operators.h"
 
 #include <algorithm>
@@ -17,8 +18,7 @@ bool Operators::collapse_links(int a, int b, const Ring &ring) const {
             for (int w : complex_.tet(t))
                 if (w != a && w != b)
                     out.push_back(w);
-        std::sort(out.begin(), out.end());
-        out.erase(std::unique(out.begin(), out.end()), out.end());
+        sort_unique(out);
         return out;
     };
     const std::vector<int> of_a = neighbours(a);
@@ -34,8 +34,7 @@ bool Operators::collapse_links(int a, int b, const Ring &ring) const {
             for (int w : at.key)
                 if (w != a && w != b)
                     out.push_back(w);
-        std::sort(out.begin(), out.end());
-        out.erase(std::unique(out.begin(), out.end()), out.end());
+        sort_unique(out);
         return out;
     };
     const std::vector<int> on_a = surface_neighbours(a);
@@ -94,7 +93,7 @@ bool Operators::pull_facets(int a, int b) {
             return false;
         if (complex_.patch_of(facet[0], facet[1], facet[2]) >= 0)
             return false; // two sheets would become one
-        watch_.comes(sorted(facet[0], facet[1], facet[2]), at.facet->patch);
+        watch_.comes(sorted(facet), at.facet->patch);
     }
     return true;
 }

@@ -1,5 +1,6 @@
 #include "search/crease_release.h"
 
+#include "base/sort_unique.h"
 #include "geometry/triangle_edges.h"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgr
         const std::vector<std::uint8_t> may = releasable(guide);
         more = more && std::find(may.begin(), may.end(), 1) != may.end();
         now.hurry = more; // what creases hold up seldom comes right by waiting
-        Search search(complex_, guide, now);
+        LocalSearch search(complex_, guide, now);
         const SearchOutcome one = search.run(progress);
         sum.bad = one.bad;
         sum.stuck = one.stuck;
@@ -58,8 +59,7 @@ std::vector<int> CreaseRelease::near(const std::vector<int> &bad, const std::vec
         if (std::any_of(bad.begin(), bad.end(), [&](int t) { return norm(complex_.centroid(t) - middle) < reach; }))
             out.push_back(curve);
     }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    sort_unique(out);
     return out;
 }
 
@@ -123,9 +123,7 @@ void CreaseRelease::relabel(const std::vector<std::uint8_t> &gone, const std::ve
             next.add_tet(complex_.tet(t), complex_.region(t), 0.0);
     for (const auto &[key, patch] : complex_.sorted_surface())
         next.add_facet(key, patch_of[patch]);
-    std::vector<std::pair<Edge, int>> creases(complex_.creases().begin(), complex_.creases().end());
-    std::sort(creases.begin(), creases.end());
-    for (const auto &[edge, curve] : creases)
+    for (const auto &[edge, curve] : complex_.sorted_creases())
         if (!gone[curve])
             next.add_crease(edge, curve);
     complex_ = std::move(next);

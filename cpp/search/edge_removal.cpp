@@ -278,7 +278,7 @@ bool Operators::remove_edge(int a, int b, double slack) {
 bool Operators::flip_23(int t, int i, double slack) {
     const Tet tet = complex_.tet(t);
     const int b = tet[i];
-    const int x = tet[kFacets[i][0]], y = tet[kFacets[i][1]], z = tet[kFacets[i][2]]; // winds towards b
+    const auto [x, y, z] = inward_facet(tet, i); // winds towards b
     if (complex_.patch_of(x, y, z) >= 0)
         return false;
     const int s = complex_.across(t, x, y, z);

@@ -1,5 +1,7 @@
 #include "search/group_descent.h"
 
+#include "base/sort_unique.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -22,8 +24,7 @@ void GroupDescent::gather(int t) {
                 }
     for (int v : free_)
         tets_.insert(tets_.end(), complex_.star(v).begin(), complex_.star(v).end());
-    std::sort(tets_.begin(), tets_.end());
-    tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
+    sort_unique(tets_);
     complex_.sort_worst_first(tets_);
     corners_.resize(tets_.size());
     for (std::size_t k = 0; k < tets_.size(); ++k)

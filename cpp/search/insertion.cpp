@@ -1,5 +1,6 @@
 // Adding a vertex in the middle of a cavity, inside or on the surface.
 
+#include "base/sort_unique.h"
 #include "search/operators.h"
 
 #include "geometry/circumspheres.h"
@@ -40,7 +41,7 @@ bool Operators::grow_cavity(const Vec3 &x, const std::vector<Facet> &open) {
     for (std::size_t k = 0; k < cavity_.size(); ++k) {
         const Tet tet = complex_.tet(cavity_[k]);
         for (int i = 0; i < 4; ++i) {
-            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const auto [p, q, r] = inward_facet(tet, i);
             const int s = complex_.patch_of(p, q, r) >= 0 ? -1 : complex_.across(cavity_[k], p, q, r);
             if (s < 0 || in_cavity(s) || !in_circumsphere(s, x))
                 continue;
@@ -56,7 +57,7 @@ bool Operators::carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std:
     const auto hidden = [&](int t) {
         const Tet &tet = complex_.tet(t);
         for (int i = 0; i < 4; ++i) {
-            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const auto [p, q, r] = inward_facet(tet, i);
             const Vec3 &o = complex_.point(p);
             const Vec3 normal = cross(complex_.point(q) - o, complex_.point(r) - o);
             if (dot(normal, complex_.point(tet[i]) - o) * dot(normal, x - o) > 0.0)
@@ -100,7 +101,7 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
                 if (complex_.curve_of(tet[i], tet[k]) >= 0)
                     creases.push_back({tet[i], tet[k]});
         for (int i = 0; i < 4; ++i) {
-            const int p = tet[kFacets[i][0]], q = tet[kFacets[i][1]], r = tet[kFacets[i][2]];
+            const auto [p, q, r] = inward_facet(tet, i);
             const Facet key = sorted(p, q, r);
             if (complex_.patch_of(p, q, r) >= 0) {
                 if (std::find(open.begin(), open.end(), key) != open.end())
@@ -179,7 +180,7 @@ std::optional<Vertex> Operators::surface_vertex(const Facet &at, const Vec3 &nea
     vertex.position = near;
     vertex.stratum = Stratum::patch;
     vertex.label = complex_.patch_of(at[0], at[1], at[2]);
-    vertex.hint = complex_.facet(sorted(at[0], at[1], at[2])).hints[0];
+    vertex.hint = complex_.facet(sorted(at)).hints[0];
     for (int w : at)
         vertex.size += complex_.vertex(w).size / 3.0;
     if (!guide_.admit(vertex, vertex.position))
@@ -224,8 +225,7 @@ void Operators::start_cavity(const std::vector<Facet> &open) {
         for (int t : complex_.star(f[0]))
             if (complex_.has(t, f[1]) && complex_.has(t, f[2]))
                 cavity_.push_back(t);
-    std::sort(cavity_.begin(), cavity_.end());
-    cavity_.erase(std::unique(cavity_.begin(), cavity_.end()), cavity_.end());
+    sort_unique(cavity_);
 }
 
 std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &near, double slack) {
@@ -236,7 +236,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     if (!vertex)
         return std::nullopt;
     const Vec3 x = vertex->position;
-    std::vector<Facet> open{sorted(at[0], at[1], at[2])};
+    std::vector<Facet> open{sorted(at)};
     std::vector<Edge> rim;
     if (!find_rim(grow_opening(x, patch, open), open, rim))
         return std::nullopt;

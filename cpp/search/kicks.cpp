@@ -1,5 +1,7 @@
 #include "search/kicks.h"
 
+#include "base/sort_unique.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -47,8 +49,7 @@ void Kicks::open_wedges(int t) {
                 if (dot(p, q) < acute * norm(p) * norm(q))
                     opposite.push_back(sorted(a, b));
             }
-        std::sort(opposite.begin(), opposite.end());
-        opposite.erase(std::unique(opposite.begin(), opposite.end()), opposite.end());
+        sort_unique(opposite);
         for (const auto &[a, b] : opposite)
             operators_.split(a, b, std::numeric_limits<double>::infinity());
     }

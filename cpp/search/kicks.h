@@ -15,7 +15,7 @@ namespace wct::search {
 /// anything, at three times the cost.
 class Kicks {
   public:
-    Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
+    Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, VertexDescent &descent,
           SurfaceWatch &watch, Repair &repair, Random &random)
         : complex_(complex), energy_(energy), operators_(operators), descent_(descent), watch_(watch), repair_(repair),
           random_(random), queue_(complex, energy, random) {}
@@ -63,7 +63,7 @@ class Kicks {
     TetComplex &complex_;
     const SearchEnergy &energy_;
     Operators &operators_;
-    StarDescent &descent_;
+    VertexDescent &descent_;
     SurfaceWatch &watch_;
     Repair &repair_;
     Random &random_;

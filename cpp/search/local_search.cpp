@@ -1,6 +1,6 @@
 #include "search/local_search.h"
 
-#include "search/volume_balance.h"
+#include "search/surface_balance.h"
 
 #include <algorithm>
 #include <limits>
@@ -44,7 +44,7 @@ SearchForm margin_form(bool acute, double margin) {
 }
 } // namespace
 
-Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
+LocalSearch::LocalSearch(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
     : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
       operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_),
       group_(complex, energy_, guide, watch_), random_(options.seed),
@@ -59,7 +59,7 @@ Search::Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptio
     WCT_CHECK(complex_.checks.start(complex_);)
 }
 
-void Search::adopt(const SearchForm &form) {
+void LocalSearch::adopt(const SearchForm &form) {
     energy_.adopt(form);
     std::vector<int> slots;
     std::vector<Tet> tets;
@@ -75,7 +75,7 @@ void Search::adopt(const SearchForm &form) {
     complex_.resum();
 }
 
-std::vector<int> Search::bad_tets() const {
+std::vector<int> LocalSearch::bad_tets() const {
     std::vector<int> bad;
     for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
         if (const int t = static_cast<int>(k); complex_.alive(t) && energy_.bad(complex_.energy(t)))
@@ -83,14 +83,14 @@ std::vector<int> Search::bad_tets() const {
     return bad;
 }
 
-void Search::sweep(int recipe) {
+void LocalSearch::sweep(int recipe) {
     std::vector<int> tets = bad_tets();
     if (recipe != 0)
         std::erase_if(tets, [&](int t) { return complex_.ruled_out(t); });
     repair_.pass_changed(recipe, tets);
 }
 
-void Search::widen_margins(const SearchProgress &progress) {
+void LocalSearch::widen_margins(const SearchProgress &progress) {
     constexpr long part = 8; // of the kicks borne for tets that miss the goal itself
     const auto bearable = [this](int bad) { return patience(bad) / part; };
     const int before = count_bad(); // on facets that rule the goal out
@@ -107,8 +107,8 @@ void Search::widen_margins(const SearchProgress &progress) {
     adopt(margin_form(options_.acute, options_.margin));
 }
 
-bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
-                             const std::function<long(int)> &bearable) {
+bool LocalSearch::kick_until_good(const SearchProgress &progress, const char *phase,
+                                  const std::function<long(int)> &bearable) {
     constexpr long rest = 4096; // kicks between sums from scratch
     constexpr long hear = 8;    // kicks between reports
     kicks_.restart();
@@ -150,20 +150,20 @@ bool Search::kick_until_good(const SearchProgress &progress, const char *phase,
     return true;
 }
 
-void Search::Price::add(double evaluations, int fewer) {
+void LocalSearch::Price::add(double evaluations, int fewer) {
     constexpr double keep = 1.0 - 1.0 / 48.0;
     spent += evaluations;
     work = keep * work + evaluations;
     gone = keep * gone + fewer;
 }
 
-bool Search::worthwhile(const Price &price, int bad) const {
+bool LocalSearch::worthwhile(const Price &price, int bad) const {
     const double worth = options_.worth;
     constexpr double small = 3000.0; // tets: a mesh of less is worth as much
     return price.spent < worth * small || price.work * bad <= worth * static_cast<double>(complex_.tets()) * price.gone;
 }
 
-long Search::patience(int bad) const {
+long LocalSearch::patience(int bad) const {
     // Few bad tets in many are worth long trying, and there will not be many such phases; where a good part of the mesh
     // is bad, as round a surface that may not change, most of it is hopeless.
     constexpr double many = 2000.0; // tets to a bad one, for which all the kicks asked for are borne
@@ -172,12 +172,12 @@ long Search::patience(int bad) const {
     return std::max(1L, static_cast<long>(static_cast<double>(options_.kicks) * std::clamp(share, least, 1.0)));
 }
 
-long Search::hurried(int bad) const {
+long LocalSearch::hurried(int bad) const {
     constexpr long most = 8, least = 50; // parts of the kicks asked for: the last few bad tets are worth more each
     return std::max(options_.kicks / least, options_.kicks / most / std::max(bad, 1));
 }
 
-SearchOutcome Search::run(const SearchProgress &progress) {
+SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     const auto report = [&](const char *phase, double done) {
         outcome_.bad = count_bad();
         outcome_.stopped = !progress(phase, done, outcome_.bad);

@@ -45,9 +45,9 @@ using SearchProgress = std::function<bool(const char *phase, double done, int ba
 /// what lowers the energy; then iterated local search (Lourenço, Martin, Stützle 2003) at what is left: kick a
 /// neighbourhood, optimise it again, keep the result unless it got worse; then the same for the margins. Bad
 /// tets never increase from phase to phase, and every intermediate state is a valid mesh.
-class Search {
+class LocalSearch {
   public:
-    Search(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options);
+    LocalSearch(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options);
 
     SearchOutcome run(const SearchProgress &progress);
 
@@ -80,7 +80,7 @@ class Search {
     SearchEnergy energy_;
     SurfaceWatch watch_;
     Operators operators_;
-    StarDescent descent_;
+    VertexDescent descent_;
     GroupDescent group_;
     Random random_;
     Repair repair_;

@@ -1,5 +1,7 @@
 #include "search/operators.h"
 
+#include "base/sort_unique.h"
+
 #include <algorithm>
 
 namespace wct::search {
@@ -100,8 +102,7 @@ bool Operators::fans(int a, int b, Ring &ring) const {
         ring.opposite.push_back(others);
         ring.link.insert(ring.link.end(), others.begin(), others.end());
     }
-    std::sort(ring.link.begin(), ring.link.end());
-    ring.link.erase(std::unique(ring.link.begin(), ring.link.end()), ring.link.end());
+    sort_unique(ring.link);
     return !ring.tets.empty();
 }
 

@@ -1,5 +1,7 @@
 #include "search/repair.h"
 
+#include "base/sort_unique.h"
+
 #include <algorithm>
 #include <array>
 
@@ -29,8 +31,7 @@ void Repair::flip_round(const std::vector<int> &vertices) {
         for (int t : complex_.star(v))
             if (complex_.energy(t) > 0.0)
                 tets.push_back(t);
-    std::sort(tets.begin(), tets.end());
-    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    sort_unique(tets);
     constexpr double lower = -1e-9;
     for (int t : tets) {
         if (!complex_.alive(t) || complex_.energy(t) <= 0.0)
@@ -110,7 +111,7 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
             chosen = Facet{tet[p], tet[q], tet[r]};
     if (!chosen)
         return std::nullopt;
-    const Facet key = sorted((*chosen)[0], (*chosen)[1], (*chosen)[2]);
+    const Facet key = sorted(*chosen);
     if (const auto peak = operators_.farthest(key))
         return operators_.refine(key, *peak, slack);
     Vec3 x;

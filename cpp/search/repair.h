@@ -32,7 +32,7 @@ class Repair {
     /// From the cheapest to the widest choice of operators.
     static const Recipe recipes[3];
 
-    Repair(TetComplex &complex, const SearchEnergy &energy, Operators &operators, StarDescent &descent,
+    Repair(TetComplex &complex, const SearchEnergy &energy, Operators &operators, VertexDescent &descent,
            GroupDescent &group, Random &random)
         : complex_(complex), energy_(energy), operators_(operators), descent_(descent), group_(group), random_(random) {
     }
@@ -59,7 +59,7 @@ class Repair {
     TetComplex &complex_;
     const SearchEnergy &energy_;
     Operators &operators_;
-    StarDescent &descent_;
+    VertexDescent &descent_;
     GroupDescent &group_;
     Random &random_;
     std::vector<int> order_;

@@ -1,11 +1,10 @@
 #include "search/stratified_mesh.h"
 
+#include "base/facet_uses.h"
 #include "geometry/predicates.h"
 #include "search/needle_cosines.h"
 
 #include <algorithm>
-#include <numeric>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <unordered_set>
@@ -20,44 +19,6 @@ template <std::size_t n> std::string text(const std::array<int, n> &cell) {
         out += (k ? ", " : "") + std::to_string(cell[k]);
     return out + ")";
 }
-
-/// The key of the facet opposite corner i.
-Facet opposite(const Tet &tet, int i) {
-    return sorted(tet[(i + 1) % 4], tet[(i + 2) % 4], tet[(i + 3) % 4]);
-}
-
-/// The facets of all tets, in rows by their least corner: hashing so many takes far longer than sorting short rows.
-class FacetUses {
-  public:
-    FacetUses(std::span<const Tet> tets, std::size_t points) : first_(points + 1, 0) {
-        for (const Tet &tet : tets)
-            for (int i = 0; i < 4; ++i)
-                ++first_[opposite(tet, i)[0] + 1];
-        std::partial_sum(first_.begin(), first_.end(), first_.begin());
-        others_.resize(4 * tets.size());
-        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-        for (const Tet &tet : tets)
-            for (int i = 0; i < 4; ++i) {
-                const Facet key = opposite(tet, i);
-                others_[next[key[0]]++] = {key[1], key[2]};
-            }
-        for (std::size_t v = 0; v < points; ++v)
-            std::sort(row(v).begin(), row(v).end());
-    }
-
-    /// How many tets have the facet, corners ascending.
-    std::size_t count(const Facet &key) const {
-        const auto here = std::span(others_).subspan(first_[key[0]], first_[key[0] + 1] - first_[key[0]]);
-        const auto [begin, end] = std::equal_range(here.begin(), here.end(), Edge{key[1], key[2]});
-        return static_cast<std::size_t>(end - begin);
-    }
-
-  private:
-    std::span<Edge> row(std::size_t v) { return std::span(others_).subspan(first_[v], first_[v + 1] - first_[v]); }
-
-    std::vector<std::size_t> first_; // by point, of its row
-    std::vector<Edge> others_;
-};
 
 /// Edges of tets between ends of creases.
 std::unordered_set<Edge, KeyHash> edges_between_creases(const StratifiedMesh &mesh) {
@@ -82,20 +43,20 @@ void expect_conforming(const StratifiedMesh &mesh) {
         if (geometry::orient3d(points[tet[0]], points[tet[1]], points[tet[2]], points[tet[3]]) <= 0)
             throw std::invalid_argument("tet " + std::to_string(t) + " is inverted or flat");
         for (int i = 0; i < 4; ++i)
-            if (const Facet key = opposite(tet, i); uses.count(key) > 2)
+            if (const Facet key = sorted(inward_facet(tet, i)); uses.of(key).size() > 2)
                 throw std::invalid_argument("tets: facet " + text(key) + " belongs to more than two");
     }
     std::unordered_set<Facet, KeyHash> given;
     for (const Facet &facet : mesh.facets) {
-        const Facet key = sorted(facet[0], facet[1], facet[2]);
-        if (uses.count(key) == 0)
+        const Facet key = sorted(facet);
+        if (uses.of(key).empty())
             throw std::invalid_argument("facets: " + text(facet) + " is no facet of a tet");
         given.insert(key);
     }
     for (const Tet &tet : mesh.tets)
         for (int i = 0; i < 4; ++i) {
-            const Facet key = opposite(tet, i);
-            if (uses.count(key) == 1 && !given.contains(key))
+            const Facet key = sorted(inward_facet(tet, i));
+            if (uses.of(key).size() == 1 && !given.contains(key))
                 throw std::invalid_argument("facets: boundary facet " + text(key) + " is missing");
         }
     const auto edges = edges_between_creases(mesh);
@@ -105,17 +66,11 @@ void expect_conforming(const StratifiedMesh &mesh) {
 }
 
 void expect_kept(const TetComplex &complex) {
-    const auto of_a_tet = [&](const auto &cell) {
-        const auto &star = complex.star(cell[0]);
-        return std::any_of(star.begin(), star.end(), [&](int t) {
-            return std::all_of(cell.begin(), cell.end(), [&](int v) { return complex.has(t, v); });
-        });
-    };
     for (const auto &[facet, patch] : complex.sorted_surface())
-        if (!of_a_tet(facet))
+        if (!complex.has_cell(facet))
             throw std::logic_error("the search lost facet " + text(facet) + " of patch " + std::to_string(patch));
     for (const auto &[edge, curve] : complex.creases())
-        if (!of_a_tet(edge))
+        if (!complex.has_cell(edge))
             throw std::logic_error("the search lost edge " + text(edge) + " of curve " + std::to_string(curve));
 }
 
@@ -163,9 +118,7 @@ StratifiedMesh mesh_of(const TetComplex &complex) {
         mesh.facets.push_back({place[key[0]], place[key[1]], place[key[2]]});
         mesh.facet_patch.push_back(patch);
     }
-    std::vector<std::pair<Edge, int>> curves(complex.creases().begin(), complex.creases().end());
-    std::sort(curves.begin(), curves.end());
-    for (const auto &[key, curve] : curves) {
+    for (const auto &[key, curve] : complex.sorted_creases()) {
         mesh.creases.push_back({place[key[0]], place[key[1]]});
         mesh.crease_curve.push_back(curve);
     }

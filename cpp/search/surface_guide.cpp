@@ -112,7 +112,7 @@ void SurfaceGuide::make_patches(const Surface &surface) {
         std::vector<std::array<Vec3, 3>> pieces;
         for (const Facet &f : members)
             pieces.push_back({points[f[0]], points[f[1]], points[f[2]]});
-        Patch one{geometry::BoundingTree<3>(std::move(pieces)), false, {}, 0.0, {}};
+        Patch one{geometry::PieceTree<3>(std::move(pieces)), false, {}, 0.0, {}};
         for (const Facet &f : members)
             one.area += 0.5 * norm(normal_of({points[f[0]], points[f[1]], points[f[2]]}));
         const double least = least_of(surface, members, tolerance_);
@@ -145,7 +145,7 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         std::vector<std::array<Vec3, 2>> pieces;
         for (const Edge &s : members)
             pieces.push_back({points[s[0]], points[s[1]]});
-        Curve one{geometry::BoundingTree<2>(std::move(pieces)), false, false, {}, {}, {}, 0.0};
+        Curve one{geometry::PieceTree<2>(std::move(pieces)), false, false, {}, {}, {}, 0.0};
         one.tolerance = least_of(surface, members, tolerance_);
         Vec3 far = {};
         double extent = 0.0, off = 0.0;
@@ -276,7 +276,7 @@ bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::i
 }
 
 bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
-    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const geometry::PieceTree<3> &tree = patches_[patch].tree;
     const double inside = kInside * kInside * tolerance_ * tolerance_;
     const std::vector<double> &local = patches_[patch].local;
     double least = tolerance_; // of the samples so far
@@ -314,7 +314,7 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
 
 SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
                                     double enough) const {
-    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const geometry::PieceTree<3> &tree = patches_[patch].tree;
     const std::vector<double> &local = patches_[patch].local;
     Gap worst;
     for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
@@ -341,14 +341,14 @@ double SurfaceGuide::offset(int patch, const std::array<Vec3, 3> &corners, const
 }
 
 double SurfaceGuide::height(int patch, const Vec3 &x, std::int32_t guess) const {
-    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const geometry::PieceTree<3> &tree = patches_[patch].tree;
     const auto found = tree.closest(x, guess);
     const Vec3 off = x - found.point;
     return dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
 }
 
 Vec3 SurfaceGuide::normal(int patch, const Vec3 &x) const {
-    const geometry::BoundingTree<3> &tree = patches_[patch].tree;
+    const geometry::PieceTree<3> &tree = patches_[patch].tree;
     return unit(normal_of(tree.pieces()[tree.closest(x).piece]));
 }
 

@@ -119,14 +119,14 @@ class SurfaceGuide {
     }
 
     struct Patch {
-        geometry::BoundingTree<3> tree;
+        geometry::PieceTree<3> tree;
         bool planar = false;
         geometry::Plane plane;
         double area = 0.0;
         std::vector<double> local; // tolerance per piece of the tree; empty: all the same
     };
     struct Curve {
-        geometry::BoundingTree<2> tree;
+        geometry::PieceTree<2> tree;
         bool straight = false;
         bool bare = false;
         Vec3 direction, origin;

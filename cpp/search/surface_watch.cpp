@@ -8,7 +8,7 @@ namespace wct::search {
 
 namespace {
 constexpr double kUnfolded = 0.5; // cosine of the angle a facet may turn by in one move
-/// Over by rounding is over all the same.
+/// The least, in tolerances, that a facet beyond the tolerance is said to be over: 0 would say that it is within.
 constexpr double kLeast = 1e-6;
 /// What is as far over as it was may come out this much farther.
 constexpr double kRounding = 1.0 + 1e-9;
@@ -44,9 +44,9 @@ void SurfaceWatch::begin() {
         const bool near = guide_.near(patch, one.corners, one.edges, one.hints);
         complex_.set_over(key, near ? 0.0 : over(guide_.gap(patch, one.corners, one.hints).distance));
     }
-    std::map<int, geometry::BoundingTree<3>> trees;
+    std::map<int, geometry::PieceTree<3>> trees;
     for (auto &[patch, corners] : by_patch)
-        trees.emplace(patch, geometry::BoundingTree<3>(std::move(corners)));
+        trees.emplace(patch, geometry::PieceTree<3>(std::move(corners)));
     std::map<int, std::int32_t> hints;
     for (std::size_t l = 0; l < guide_.landmarks().size(); ++l) {
         const auto &[point, patch, joined, tolerance] = guide_.landmarks()[l];

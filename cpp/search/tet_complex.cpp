@@ -1,25 +1,12 @@
 #include "search/tet_complex.h"
 
 #include "base/random.h"
+#include "base/sort_unique.h"
 
 #include <algorithm>
 #include <iterator>
 
 namespace wct::search {
-
-Edge sorted(int a, int b) {
-    return a < b ? Edge{a, b} : Edge{b, a};
-}
-
-Facet sorted(int a, int b, int c) {
-    if (a > b)
-        std::swap(a, b);
-    if (b > c)
-        std::swap(b, c);
-    if (a > b)
-        std::swap(a, b);
-    return {a, b, c};
-}
 
 std::size_t KeyHash::operator()(const Edge &key) const {
     return mix((static_cast<std::uint64_t>(key[0]) << 32) | static_cast<std::uint32_t>(key[1]));
@@ -75,7 +62,7 @@ void TetComplex::surface_at(int v, std::vector<SurfaceAt> &facets) const {
         for (int i = 0; i < 4; ++i) {
             if (tet[i] == v)
                 continue;
-            const Facet key = sorted(tet[kFacets[i][0]], tet[kFacets[i][1]], tet[kFacets[i][2]]);
+            const Facet key = sorted(inward_facet(tet, i));
             const SurfaceFacet *facet = surface_facet(key[0], key[1], key[2]);
             if (facet && std::none_of(facets.begin(), facets.end(),
                                       [&](const SurfaceAt &known) { return same(known.key, key); }))
@@ -91,6 +78,12 @@ std::vector<std::pair<Facet, int>> TetComplex::sorted_surface() const {
         facets.push_back({key, facet.patch});
     std::sort(facets.begin(), facets.end());
     return facets;
+}
+
+std::vector<std::pair<Edge, int>> TetComplex::sorted_creases() const {
+    std::vector<std::pair<Edge, int>> creases(creases_.begin(), creases_.end());
+    std::sort(creases.begin(), creases.end());
+    return creases;
 }
 
 void TetComplex::sort_worst_first(std::vector<int> &tets) const {
@@ -128,28 +121,15 @@ void TetComplex::count_over(const Facet &key, int change) {
         over_at_[v] += change;
 }
 
-void TetComplex::own(int landmark, const Facet &owner) {
-    SurfaceFacet &facet = surface_.at(owner);
-    landmarks_[landmark] = {owner, facet.landmark, -1};
-    if (facet.landmark >= 0)
-        landmarks_[facet.landmark].previous = landmark;
-    facet.landmark = landmark;
-}
-
-void TetComplex::disown(int landmark) {
-    const Landmark &gone = landmarks_[landmark];
-    if (gone.previous >= 0)
-        landmarks_[gone.previous].next = gone.next;
-    else
-        surface_.at(gone.owner).landmark = gone.next;
-    if (gone.next >= 0)
-        landmarks_[gone.next].previous = gone.previous;
+void TetComplex::move_landmark(int landmark, const Facet &owner) {
+    landmarks_.disown(landmark, surface_.at(landmarks_.owner(landmark)).landmark);
+    landmarks_.own(landmark, owner, surface_.at(owner).landmark);
 }
 
 void TetComplex::add_landmark(const std::optional<Facet> &owner) {
-    landmarks_.emplace_back();
+    const int landmark = landmarks_.add();
     if (owner)
-        own(static_cast<int>(landmarks_.size()) - 1, *owner);
+        landmarks_.own(landmark, *owner, surface_.at(*owner).landmark);
 }
 
 void TetComplex::forget_landmarks() {
@@ -159,11 +139,10 @@ void TetComplex::forget_landmarks() {
 }
 
 void TetComplex::hand_landmark(int landmark, const Facet &owner) {
-    if (landmarks_[landmark].owner == owner)
+    if (landmarks_.owner(landmark) == owner)
         return;
-    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_[landmark].owner});
-    disown(landmark);
-    own(landmark, owner);
+    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_.owner(landmark)});
+    move_landmark(landmark, owner);
 }
 
 void TetComplex::put_facet(const Facet &key, int patch, double over) {
@@ -330,8 +309,7 @@ void TetComplex::rollback() {
             break;
         }
         case Kind::handed_landmark:
-            disown(entry.index);
-            own(entry.index, entry.key);
+            move_landmark(entry.index, entry.key);
             break;
         case Kind::added_crease:
             creases_.erase({entry.key[0], entry.key[1]});
@@ -352,8 +330,7 @@ void TetComplex::changed(std::vector<int> &tets) const {
         if (kind == Kind::added_tet || kind == Kind::removed_tet || kind == Kind::set_energy)
             tets.push_back(journal_[k].index);
     }
-    std::sort(tets.begin(), tets.end());
-    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    sort_unique(tets);
 }
 
 void TetComplex::resum() {

@@ -2,8 +2,10 @@
 
 #include "base/cells.h"
 #include "base/vec3.h"
+#include "geometry/landmark_owners.h"
 #include "search/checks.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -14,16 +16,13 @@
 
 namespace wct::search {
 
-/// Vertices of an edge or facet in ascending order: the key under which creases and surface facets are found.
-Edge sorted(int a, int b);
-Facet sorted(int a, int b, int c);
-
+/// Of the keys under which creases and surface facets are found: their vertices in ascending order.
 struct KeyHash {
     std::size_t operator()(const Edge &key) const;
     std::size_t operator()(const Facet &key) const;
 };
 
-/// What == says, without the call of memcmp that it makes of an array.
+/// Whether two keys are equal: == of arrays calls memcmp, which takes longer for three numbers.
 inline bool same(const Facet &a, const Facet &b) {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
@@ -75,6 +74,13 @@ class TetComplex {
     /// Sum over the living tets, kept up to date.
     double total() const { return total_; }
     bool has(int t, int v) const;
+    /// Whether a tet has all of these vertices, as those of an edge or facet.
+    template <class Cell> bool has_cell(const Cell &cell) const {
+        const std::vector<int> &star = stars_[cell[0]];
+        return std::any_of(star.begin(), star.end(), [&](int t) {
+            return std::all_of(cell.begin(), cell.end(), [&](int v) { return has(t, v); });
+        });
+    }
     /// The tet across facet {a, b, c} of t, or -1.
     int across(int t, int a, int b, int c) const;
 
@@ -109,8 +115,8 @@ class TetComplex {
     }
     bool ruled_out(int t) const;
     /// Landmarks of the surface, each owned by the facet that covers it: the one after, or -1.
-    int next_landmark(int landmark) const { return landmarks_[landmark].next; }
-    const Facet &landmark_owner(int landmark) const { return landmarks_[landmark].owner; }
+    int next_landmark(int landmark) const { return landmarks_.next(landmark); }
+    const Facet &landmark_owner(int landmark) const { return landmarks_.owner(landmark); }
     /// A new landmark (the next number), and a change of its owner. Both facets must be there, and a facet must have
     /// handed on its landmarks before it is removed.
     void add_landmark(const std::optional<Facet> &owner);
@@ -122,6 +128,8 @@ class TetComplex {
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
     const std::unordered_map<Edge, int, KeyHash> &creases() const { return creases_; }
+    /// The creases and their curves, in the order of their keys.
+    std::vector<std::pair<Edge, int>> sorted_creases() const;
 
     int add_vertex(const Vertex &vertex);
     void move(int v, const Vec3 &position);
@@ -174,15 +182,10 @@ class TetComplex {
     void note(Entry entry);
     /// The surface facet with these corners, nullptr where there is none.
     const SurfaceFacet *surface_facet(int a, int b, int c) const;
-    struct Landmark {
-        Facet owner;
-        int next, previous; // in the list of the owner's; -1 at its ends
-    };
     void count_over(const Facet &key, int change);
     void put_facet(const Facet &key, int patch, double over);
     void drop_facet(const Facet &key);
-    void own(int landmark, const Facet &owner);
-    void disown(int landmark);
+    void move_landmark(int landmark, const Facet &owner);
     void unlink(int t);
     void link(int t);
 
@@ -197,7 +200,7 @@ class TetComplex {
     bool any_ruled_out_ = false;
     std::vector<int> over_at_; // per vertex: its facets beyond the tolerance
     int over_count_ = 0;
-    std::vector<Landmark> landmarks_;
+    geometry::LandmarkOwners<Facet> landmarks_;
     std::unordered_map<Edge, int, KeyHash> creases_;
     std::size_t alive_count_ = 0;
     double total_ = 0.0;

@@ -28,7 +28,7 @@ constexpr double kSlide = 0.1;
 
 } // namespace
 
-bool StarDescent::settle(int v, const Vec3 &x) {
+bool VertexDescent::settle(int v, const Vec3 &x) {
     if (complex_.vertex(v).stratum != Stratum::interior && !watch_.settle(x))
         return false;
     complex_.move(v, x);
@@ -40,7 +40,7 @@ bool StarDescent::settle(int v, const Vec3 &x) {
     return true;
 }
 
-double StarDescent::neighbour_distance(int v) const {
+double VertexDescent::neighbour_distance(int v) const {
     double sum = 0.0;
     for (int t : complex_.star(v))
         for (int w : complex_.tet(t))
@@ -48,14 +48,14 @@ double StarDescent::neighbour_distance(int v) const {
     return sum / (3.0 * static_cast<double>(complex_.star(v).size()));
 }
 
-void StarDescent::add_watched(Place &place) const {
+void VertexDescent::add_watched(Place &place) const {
     const double weight = energy_.form().over_weight;
     Vec3 pull;
     place.energy += weight * watch_.cost(&pull);
     place.gradient += weight * pull;
 }
 
-bool StarDescent::start(int v, std::int32_t &hint, Place &place) {
+bool VertexDescent::start(int v, std::int32_t &hint, Place &place) {
     double stored = 0.0;
     for (int t : complex_.star(v))
         stored += complex_.energy(t);
@@ -76,7 +76,7 @@ bool StarDescent::start(int v, std::int32_t &hint, Place &place) {
     return place.energy > 0.0 && place.energy < kInfinity;
 }
 
-bool StarDescent::slide(const Vec3 &gradient, Vec3 &d, double &slope) const {
+bool VertexDescent::slide(const Vec3 &gradient, Vec3 &d, double &slope) const {
     const Vec3 normal = watch_.normal();
     const Vec3 along = d - dot(d, normal) * normal;
     const double left = dot(along, gradient);
@@ -87,8 +87,8 @@ bool StarDescent::slide(const Vec3 &gradient, Vec3 &d, double &slope) const {
     return true;
 }
 
-bool StarDescent::step_down(const Vertex &vertex, const Place &from, Vec3 d, double length, std::int32_t &hint,
-                            Place &to) {
+bool VertexDescent::step_down(const Vertex &vertex, const Place &from, Vec3 d, double length, std::int32_t &hint,
+                              Place &to) {
     double slope = dot(d, from.gradient);
     const double reach = norm(d);
     if (slope >= 0.0 || reach < kShortest * length)
@@ -122,7 +122,7 @@ bool StarDescent::step_down(const Vertex &vertex, const Place &from, Vec3 d, dou
     return false;
 }
 
-bool StarDescent::relax(int v, int steps) {
+bool VertexDescent::relax(int v, int steps) {
     const Vertex &vertex = complex_.vertex(v);
     std::int32_t hint = vertex.hint;
     Place at;
@@ -148,7 +148,7 @@ bool StarDescent::relax(int v, int steps) {
     return at.energy < before && settle(v, at.x);
 }
 
-bool StarDescent::nudge(int v, const Vec3 &x) {
+bool VertexDescent::nudge(int v, const Vec3 &x) {
     const Vertex &vertex = complex_.vertex(v);
     if (!movable(v) || !complex_.used(v))
         return false;

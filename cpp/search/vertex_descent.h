@@ -12,9 +12,9 @@ namespace wct::search {
 /// Moves single vertices downhill: BFGS in the three coordinates of one vertex, on the energy of its star. No tet
 /// inverts; a surface vertex stays on its stratum, and no facet of it leaves the tolerance (or, where it was outside
 /// already, moves further out).
-class StarDescent {
+class VertexDescent {
   public:
-    StarDescent(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, SurfaceWatch &watch)
+    VertexDescent(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, SurfaceWatch &watch)
         : complex_(complex), energy_(energy), guide_(guide), watch_(watch) {}
 
     /// At most `steps` quasi-Newton steps; true if the vertex moved (journaled).

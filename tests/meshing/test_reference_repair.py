@@ -209,5 +209,5 @@ def test_what_is_not_there_asks_nobody(monkeypatch):
     ],
     ids=["ball", "ring", "shell", "two that touch at a point", "two that touch along an edge"],
 )
-def test_euler_characteristic(mesh, wanted):
-    assert reference_repair._euler_characteristic(mesh) == wanted
+def test_euler_characteristic_of_the_boundary(mesh, wanted):
+    assert reference_repair._boundary_characteristic(mesh) == wanted

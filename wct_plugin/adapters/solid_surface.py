@@ -9,7 +9,7 @@ from wct_plugin.exact import predicates
 from wct_plugin.mesh import SurfaceMesh
 from wct_plugin.mesh.index_arrays import components
 from wct_plugin.mesh.mesh import and_more, show_row
-from wct_plugin.mesh.triangle_surfaces import enclosed_volume, surface_edges
+from wct_plugin.mesh.triangle_surfaces import enclosed_volume, surface_edges, thickness
 from wct_plugin.types import Floats, Ints
 
 _FLAT = 1e-9  # thickness over diagonal below which a surface counts as planar
@@ -17,13 +17,10 @@ _FLAT = 1e-9  # thickness over diagonal below which a surface counts as planar
 
 def check_thick(surface: SurfaceMesh, who: str) -> None:
     """Raise :class:`InputError` for a planar surface: meshers die on one, so that ``who`` is not asked."""
-    points = surface.points[np.unique(surface.triangles)]
-    centred = (points - points.mean(axis=0)) / (surface.diagonal or 1.0)
-    normal = np.linalg.svd(centred.T @ centred)[0][:, 2]
-    thickness = float(np.ptp(centred @ normal))
-    if thickness <= _FLAT:
+    thick = thickness(surface.points, surface.triangles)
+    if thick <= _FLAT:
         raise InputError(
-            f"{label(surface)}the surface is planar, {thickness:.1e} of its diagonal thick; "
+            f"{label(surface)}the surface is planar, {thick:.1e} of its diagonal thick; "
             f"{who} needs one that encloses a volume"
         )
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.triangle_surfaces import SIDES
 from wct_plugin.types import Bools, Ints
 
 _log = logging.getLogger(__name__)
-_SIDES = ([0, 1], [1, 2], [2, 0])
 
 
 def without_lists(mesh: TetMesh) -> TetMesh:
@@ -29,7 +29,7 @@ def without_lists(mesh: TetMesh) -> TetMesh:
     surface = np.concatenate([mesh.topology.boundary, mesh.topology.interfaces])
     points = np.arange(len(mesh.points))
     nodes = _listed(mesh.nodes, bare_nodes, np.unique(surface)[:, None], points[:, None], len(points))
-    sides = np.sort(np.concatenate([surface[:, side] for side in _SIDES]), axis=1)
+    sides = np.sort(np.concatenate([surface[:, side] for side in SIDES]), axis=1)
     edges = _listed(mesh.edges, bare_edges, sides, mesh.topology.edges, len(points))
     for count, kind in ((int(nodes.sum()), "vertex"), (int(edges.sum()), "line")):
         if count:

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from wct_plugin.errors import InputError
-from wct_plugin.io.distinct_points import distinct_points
 from wct_plugin.io.raw_mesh import RawBlock, RawMesh
 from wct_plugin.io.text_lines import number_rows
+from wct_plugin.mesh.coincident_points import distinct_points
 from wct_plugin.types import Floats
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -9,7 +9,8 @@ import numpy as np
 from wct_plugin.errors import InputError
 from wct_plugin.exact import predicates
 from wct_plugin.exact.polynomial_signs import exact_signs
-from wct_plugin.mesh import SurfaceMesh, unit_scaling
+from wct_plugin.mesh import SurfaceMesh
+from wct_plugin.mesh.triangle_surfaces import thickness
 from wct_plugin.types import Floats
 
 #: As far off a plane, in diagonals, points may be that single precision put in it.
@@ -77,10 +78,7 @@ class PlanarReport:
 
 def is_planar(surface: SurfaceMesh) -> bool:
     """Whether all of a surface is in one plane, so that it bounds nothing."""
-    points = unit_scaling.normalized(surface.points[np.unique(surface.triangles)])
-    points = points - points.mean(axis=0)
-    _, axes = np.linalg.eigh(points.T @ points)
-    return bool(np.ptp(points @ axes[:, 0]) <= _FLAT * np.linalg.norm(np.ptp(points, axis=0)))
+    return thickness(surface.points, surface.triangles) <= _FLAT
 
 
 def check_not_planar(surface: SurfaceMesh) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.second_order import edge_points, facet_points, jacobian_coefficients, sampled
+from wct_plugin.mesh.triangle_surfaces import SIDES
 from wct_plugin.types import Floats, Ints
 
 #: Points and weights of Gauss's rule from 0 to 1.
@@ -57,7 +58,7 @@ class CurvedCells:
 
     def of_facets(self, triangles: Ints) -> Floats:
         """(k, 3, 3) the mid nodes of facets."""
-        sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        sides = np.sort(triangles[:, SIDES].reshape(-1, 2), axis=1)
         row = find_rows(self._mesh.topology.edges, sides, len(self._mesh.points))
         return self._middles[row].reshape(-1, 3, 3)
 

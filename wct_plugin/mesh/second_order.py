@@ -14,6 +14,7 @@ from wct_plugin.mesh.mesh import SurfaceMesh, TetMesh, store
 from wct_plugin.mesh.pickled import Pickled
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.topology import EDGES
+from wct_plugin.mesh.triangle_surfaces import SIDES
 from wct_plugin.types import Bools, Floats, Ints
 
 #: A mid node this far off the middle, in lengths of its edge, is what rounding leaves of a straight edge: at least, and
@@ -129,7 +130,7 @@ def with_surface(ends: Floats, middles: Floats, mesh: TetMesh) -> SecondOrder:
     edges = replace(edges, folded=tets[may_fold(tets, mid.reshape(-1, 6, 3)[curved])])
     found = find_strata(mesh)
     corners = mesh.points[found.triangles]
-    sides = corners[:, [[0, 1], [1, 2], [2, 0]]]
+    sides = corners[:, SIDES]
     mid, known = edges.middles_of(sides.reshape(-1, 2, 3))
     if not known.any():
         return edges
@@ -144,7 +145,7 @@ def curved_boundary(mesh: TetMesh, of: SecondOrder) -> SurfaceMesh:
     tags = np.zeros(len(boundary), dtype=np.int64)
     row = find_rows(np.sort(mesh.facets.vertices, axis=1), np.sort(boundary, axis=1), len(mesh.points))
     tags[row >= 0] = mesh.facets.tags[row[row >= 0]]
-    sides = boundary[:, [[0, 1], [1, 2], [2, 0]]]
+    sides = boundary[:, SIDES]
     middles = of.middles_of(mesh.points[sides].reshape(-1, 2, 3))[0].reshape(-1, 3, 3)
     return replace(sampled(mesh.points, boundary, middles, tags), source=mesh.source)
 

@@ -6,6 +6,9 @@ from wct_plugin.mesh import unit_scaling
 from wct_plugin.mesh.index_arrays import components
 from wct_plugin.types import Bools, Floats, Ints
 
+#: The three edges of a triangle, as it winds.
+SIDES = np.array([[0, 1], [1, 2], [2, 0]])
+
 
 def bends(points: Floats, triangles: Ints, label: Ints) -> tuple[Ints, Floats, Bools]:
     """Edges (e, 2) between two triangles, how much the surface bends there in degrees, and if both labels are equal."""
@@ -36,12 +39,20 @@ def enclosed_volume(points: Floats, triangles: Ints) -> float:
     return float(np.einsum("ij,ij->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
 
 
+def thickness(points: Floats, triangles: Ints) -> float:
+    """Extent across the plane that triangles (k, 3) lie nearest to, as a fraction of the diagonal of their box."""
+    used = unit_scaling.normalized(points[np.unique(triangles)])
+    used = used - used.mean(axis=0)
+    _, axes = np.linalg.eigh(used.T @ used)
+    return float(np.ptp(used @ axes[:, 0]) / (np.linalg.norm(np.ptp(used, axis=0)) or 1.0))
+
+
 def surface_edges(triangles: Ints, count: int) -> tuple[Ints, Ints, Ints, Ints, Bools]:
     """Every edge (e, 2) once, and its triangles: ``owners[starts[k] : starts[k] + sizes[k]]``.
 
     ``forward`` goes with ``owners``: does the triangle run through the edge from its smaller end to its larger?
     """
-    ends = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    ends = triangles[:, SIDES].reshape(-1, 2)
     forward = ends[:, 0] < ends[:, 1]
     ends = np.sort(ends, axis=1)
     keys = ends @ [count, 1]

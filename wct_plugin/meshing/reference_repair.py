@@ -88,13 +88,16 @@ def _bounds_alone(made: SurfaceMesh, mesh: TetMesh, own: Reference) -> bool:
     if (sizes != 2).any() or np.add.reduceat(np.where(forward, 1, -1), starts).any():
         return False
     vertices = int(sheets(made.triangles, len(made.points)).max()) + 1
-    if vertices - len(sizes) + len(made.triangles) != _euler_characteristic(mesh):
+    if vertices - len(sizes) + len(made.triangles) != _boundary_characteristic(mesh):
         return False
     return bounds(made, own, _DEEP)
 
 
-def _euler_characteristic(mesh: TetMesh) -> int:
-    """Of the mesh's boundary, pulled apart where sheets of it touch: twice that of the inside."""
+def _boundary_characteristic(mesh: TetMesh) -> int:
+    """Euler characteristic of the boundary, pulled apart where sheets of it touch: minus twice that of the open inside.
+
+    A region's own, with its boundary as it is, is another number where sheets touch.
+    """
     boundary = mesh.topology.boundary
     edges = len(mesh.topology.edges) - len(surface_edges(boundary, len(mesh.points))[0])
     vertices = len(mesh.points) - int(mesh.topology.boundary_points.sum())

@@ -17,6 +17,7 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.mid_nodes import find_middles
 from wct_plugin.mesh.named_groups import names_of, regions_of
+from wct_plugin.mesh.triangle_surfaces import normals
 from wct_plugin.objects.assembled import assembled, needs_tets, not_carried
 from wct_plugin.types import Ints
 
@@ -74,7 +75,7 @@ def _facets(mesh: "MeshTet", tets: Ints) -> tuple[Ints, dict[str, Ints], dict[st
     facets = np.asarray(mesh.facets, dtype=np.int64).T[used]
     points = np.asarray(mesh.p).T
     out = points[facets].mean(axis=1) - points[tets[mesh.f2t[0, used]]].mean(axis=1)
-    inward = np.einsum("ki,ki->k", _normals(points, facets), out) < 0
+    inward = np.einsum("ki,ki->k", normals(points, facets), out) < 0
     facets[inward] = facets[inward][:, ::-1]
     sets, oriented = {}, {}
     for name, ids in boundaries.items():
@@ -137,7 +138,7 @@ def _boundary(made: "MeshTet", mesh: TetMesh, name: str, members: Ints, row: Int
 
     members = members[first]
     vertices = mesh.facets.vertices[members]
-    along = _normals(mesh.points, vertices) * np.asarray(mesh.facets.data[_ORIENTED + name])[members, None]
+    along = normals(mesh.points, vertices) * np.asarray(mesh.facets.data[_ORIENTED + name])[members, None]
     out = mesh.points[vertices].mean(axis=1) - mesh.points[mesh.tets[made.f2t[0, facets]]].mean(axis=1)
     return OrientedBoundary(facets, np.einsum("ki,ki->k", along, out) < 0)
 
@@ -156,8 +157,3 @@ def _lost(mesh: TetMesh, row: Ints, groups: Mapping[str, Ints]) -> list[str]:
     lost += [f"{loose} tagged facets that are none of a tet"] if loose else []
     lost += [f"{bare} facets of no group"] if bare else []
     return lost + (["which sides are periodic"] if mesh.periodic else [])
-
-
-def _normals(points: Any, triangles: Ints) -> Any:
-    corners = points[triangles]
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

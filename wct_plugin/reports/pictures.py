@@ -16,7 +16,7 @@ from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.topology import Topology
-from wct_plugin.mesh.triangle_surfaces import surface_edges
+from wct_plugin.mesh.triangle_surfaces import normals, surface_edges
 from wct_plugin.reports.colour_scales import OBTUSE, Stops, colours
 from wct_plugin.reports.eye import Eye
 from wct_plugin.types import Floats, Ints
@@ -177,8 +177,7 @@ class _Sheet:
         return Picture(packed.getvalue(), image.size, caption, f"{caption}. {alt}.")
 
     def _facing(self, triangles: Ints) -> tuple[NDArray[np.bool_], Floats]:
-        corners = self._seen[triangles]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal = normals(self._seen, triangles)
         length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
         light = np.clip(normal @ _LIGHT / (length * np.linalg.norm(_LIGHT)), 0.0, 1.0)
         return normal[:, 2] > 0, 0.72 + 0.28 * light

@@ -13,7 +13,7 @@
 
 namespace wct::tests {
 
-using geometry::BoundingTree;
+using geometry::PieceTree;
 
 namespace {
 
@@ -40,7 +40,7 @@ template <std::size_t n> double distance_to(const std::vector<std::array<Vec3, n
 }
 
 template <std::size_t n> void check_closest(const std::vector<std::array<Vec3, n>> &pieces) {
-    const BoundingTree<n> tree(pieces);
+    const PieceTree<n> tree(pieces);
     REQUIRE(tree.pieces().size() == pieces.size());
     Random random(7);
     for (int k = 0; k < 400; ++k) {
@@ -67,7 +67,7 @@ template <std::size_t n> void check_closest(const std::vector<std::array<Vec3, n
 
 /// What all_near says of random edges near the pieces, against distances all along them.
 template <std::size_t n> void check_near_along(const std::vector<std::array<Vec3, n>> &pieces, double apart) {
-    const BoundingTree<n> tree(pieces);
+    const PieceTree<n> tree(pieces);
     constexpr geometry::NearAlong along{0.975, 0.985};
     constexpr double tolerance = 0.05;
     constexpr int parts = 60;
@@ -94,7 +94,7 @@ template <std::size_t n> void check_near_along(const std::vector<std::array<Vec3
 
 } // namespace
 
-TEST_CASE("BoundingTree: closest points of triangles and segments") {
+TEST_CASE("PieceTree: closest points of triangles and segments") {
     check_closest(triangles_of(ball(3, 0.2, 1)));
     check_closest(helix(57));
     check_closest(std::vector<std::array<Vec3, 2>>{{Vec3{0, 0, 0}, Vec3{1, 0, 0}}});
@@ -105,9 +105,9 @@ TEST_CASE("NearAlong: edges near all along are told from others") {
     check_near_along(helix(80), 0.3);
 }
 
-TEST_CASE("BoundingTree: a piece is left on the side that leads to its neighbour") {
+TEST_CASE("PieceTree: a piece is left on the side that leads to its neighbour") {
     const auto pieces = triangles_of(cube(3, 0.2, 4));
-    const BoundingTree<3> tree(pieces);
+    const PieceTree<3> tree(pieces);
     Random random(3);
     int neighbours = 0;
     for (std::int32_t k = 0; k < static_cast<std::int32_t>(pieces.size()); ++k) {

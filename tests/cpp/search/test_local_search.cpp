@@ -63,7 +63,7 @@ TEST_CASE("A ball stays within the tolerance and keeps its volume") {
     CHECK(volumes(made.complex)[0] == doctest::Approx(volumes(body)[0]).epsilon(0.02));
 }
 
-TEST_CASE("Search: the same start and seed give the same bits, another seed others") {
+TEST_CASE("LocalSearch: the same start and seed give the same bits, another seed others") {
     const Body body = cube(3, 0.3, 4);
     search::SearchOptions options = quick();
     options.kicks = 60;
@@ -75,7 +75,7 @@ TEST_CASE("Search: the same start and seed give the same bits, another seed othe
     CHECK(difference(State(first.complex), State(searched(start_of(body), body, 0.02, options).complex)) != "");
 }
 
-TEST_CASE("Search: a fixed surface keeps every facet, and no more tets come than may") {
+TEST_CASE("LocalSearch: a fixed surface keeps every facet, and no more tets come than may") {
     const Body body = cube(3, 0.3, 5);
     search::SearchOptions options = quick();
     options.kicks = 100;
@@ -83,7 +83,7 @@ TEST_CASE("Search: a fixed surface keeps every facet, and no more tets come than
     options.most = body.tets.size() + 5;
     std::vector<Facet> wanted, left;
     for (const Facet &f : body.facets)
-        wanted.push_back(search::sorted(f[0], f[1], f[2]));
+        wanted.push_back(sorted(f[0], f[1], f[2]));
     std::sort(wanted.begin(), wanted.end());
     const Searched made = searched(pinned(body), body, 0.02, options);
     for (const auto &[key, patch] : made.complex.sorted_surface())
@@ -96,12 +96,12 @@ TEST_CASE("Search: a fixed surface keeps every facet, and no more tets come than
     CHECK(fault(made.complex) == "");
 }
 
-TEST_CASE("Search: stopped at once it leaves a sound mesh, with no more bad tets than came in") {
+TEST_CASE("LocalSearch: stopped at once it leaves a sound mesh, with no more bad tets than came in") {
     const Body body = cube(3, 0.3, 6);
     search::TetComplex complex = complex_of(body);
     const search::SurfaceGuide guide = guide_of(body, 0.02, 0.05);
     const int before = not_well_centered(complex, true);
-    search::Search search(complex, guide, quick());
+    search::LocalSearch search(complex, guide, quick());
     int calls = 0;
     const search::SearchOutcome outcome = search.run([&](const char *, double, int) { return ++calls < 3; });
     CHECK(outcome.stopped);

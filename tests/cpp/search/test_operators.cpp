@@ -15,8 +15,6 @@
 
 namespace wct::tests {
 
-using search::sorted;
-
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

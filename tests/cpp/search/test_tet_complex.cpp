@@ -11,7 +11,6 @@
 
 namespace wct::tests {
 
-using search::sorted;
 using search::TetComplex;
 
 namespace {

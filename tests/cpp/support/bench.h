@@ -35,7 +35,7 @@ struct Bench {
     search::SearchEnergy energy;
     search::SurfaceWatch watch;
     search::Operators operators;
-    search::StarDescent descent;
+    search::VertexDescent descent;
     search::GroupDescent group;
 };
 

@@ -72,7 +72,7 @@ void find_creases(Body &body) {
     for (std::size_t k = 0; k < body.facets.size(); ++k)
         for (int i = 0; i < 3; ++i) {
             const int a = body.facets[k][i], b = body.facets[k][(i + 1) % 3];
-            at_edge[{std::min(a, b), std::max(a, b)}].insert(body.patch[k]);
+            at_edge[sorted(a, b)].insert(body.patch[k]);
         }
     std::map<std::set<int>, int> numbers;
     for (const auto &[edge, patches] : at_edge)

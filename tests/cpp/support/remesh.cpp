@@ -42,7 +42,7 @@ Start start_of(const sampling::Resampled &made, const sampling::SurfaceLabels &l
     }
     out.body.patch = labels.patch;
     for (const Edge &edge : labels.creases)
-        out.body.creases.push_back(search::sorted(placed(edge[0]), placed(edge[1])));
+        out.body.creases.push_back(sorted(placed(edge[0]), placed(edge[1])));
     out.body.curve = labels.curve;
     out.body.sides = on.sides;
     return out;

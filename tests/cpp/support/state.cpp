@@ -10,7 +10,6 @@
 
 namespace wct::tests {
 
-using search::sorted;
 using search::TetComplex;
 
 namespace {

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from wct_plugin.io import distinct_points as module
-from wct_plugin.io.distinct_points import distinct_points
+from wct_plugin.mesh import coincident_points as module
+from wct_plugin.mesh.coincident_points import distinct_points, places
 
 
 def test_points_come_once_in_their_first_order() -> None:
@@ -30,3 +30,7 @@ def test_many_points_and_numbers_that_collide() -> None:
         assert len(points) == len(np.unique(rows))
         first = np.unique(place, return_index=True)[1]
         assert (np.diff(first) > 0).all()
+
+
+def test_places_are_numbered_by_their_first_points() -> None:
+    assert places(np.array([[2.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 0, -0.0], [0, 0, 0]])).tolist() == [0, 1, 0, 2, 2]

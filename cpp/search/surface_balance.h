@@ -15,7 +15,7 @@ namespace wct::search {
 class SurfaceBalance {
   public:
     /// `volumes` that the regions are to have, by number; empty: any.
-    SurfaceBalance(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, StarDescent &descent,
+    SurfaceBalance(TetComplex &complex, const SearchEnergy &energy, const SurfaceGuide &guide, VertexDescent &descent,
                    std::span<const double> volumes)
         : complex_(complex), energy_(energy), guide_(guide), descent_(descent), volumes_(volumes) {}
 
@@ -46,7 +46,7 @@ class SurfaceBalance {
     TetComplex &complex_;
     const SearchEnergy &energy_;
     const SurfaceGuide &guide_;
-    StarDescent &descent_;
+    VertexDescent &descent_;
     std::span<const double> volumes_;
 };
 

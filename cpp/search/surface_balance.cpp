@@ -1,4 +1,4 @@
-#include "search/volume_balance.h"
+#include "search/surface_balance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@ constexpr double kBalanced = 0.01; // of the tolerance
 constexpr double kKept = 1e-4;     // of an area or volume
 
 double volume_of(const TetComplex &complex, const Tet &tet) {
-    const Vec3 &o = complex.point(tet[0]);
-    return dot(cross(complex.point(tet[1]) - o, complex.point(tet[2]) - o), complex.point(tet[3]) - o) / 6.0;
+    return six_volumes(complex.point(tet[0]), complex.point(tet[1]), complex.point(tet[2]), complex.point(tet[3])) /
+           6.0;
 }
 } // namespace
 

@@ -1,4 +1,4 @@
-#include "search/volume_balance.h"
+#include "search/surface_balance.h"
 
 #include "support/bench.h"
 #include "support/remesh.h"
@@ -66,7 +66,7 @@ TEST_CASE("SurfaceBalance: where no volume is asked for, facets lie as much befo
     const search::SurfaceGuide guide = guide_of(fine, tolerance, 0.05);
     search::SurfaceWatch watch(bench.complex, guide);
     watch.begin();
-    search::StarDescent descent(bench.complex, bench.energy, guide, watch);
+    search::VertexDescent descent(bench.complex, bench.energy, guide, watch);
     const double before = mean_height(bench.complex);
     REQUIRE(before < -0.2 * tolerance);
     search::SurfaceBalance(bench.complex, bench.energy, guide, descent, {}).run();
@@ -83,7 +83,7 @@ TEST_CASE("SurfaceBalance: flat ends of a cylinder get their area, and stay flat
     const search::SurfaceGuide guide = guide_of(fine, tolerance, 0.05);
     search::SurfaceWatch watch(bench.complex, guide);
     watch.begin();
-    search::StarDescent descent(bench.complex, bench.energy, guide, watch);
+    search::VertexDescent descent(bench.complex, bench.energy, guide, watch);
     int planes = 0;
     std::vector<double> missed;
     for (int patch = 0; patch < 3; ++patch)
