@@ -7,7 +7,7 @@ from support.builders import ball, bcc, jittered_cube, kuhn_cube, regular_tet, r
 from support.flags import signed_duals
 
 from wct_plugin.measure import quality
-from wct_plugin.measure.duals import TIERS, compute_duals, dual_lengths, hodge_star, tiers
+from wct_plugin.measure.duals import TIERS, compute_duals, dual_lengths, hodge_star, misses, tiers
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import FACETS
 
@@ -223,3 +223,31 @@ def test_the_errors_are_bounds():
         assert np.isfinite(bounds).all()
         assert (apart <= bounds).all()
         assert apart.max() > 0
+
+
+@pytest.mark.parametrize("size", [1.0, 1e6, 1e-6])
+@pytest.mark.parametrize(("short", "delaunay"), [(0.0, True), (0.9e-9, True), (1.1e-9, False)])
+@pytest.mark.parametrize("apex", [1.0, 2.0])
+def test_circumcenters_the_wrong_way_round_by_a_billionth_are_a_tie(size, short, delaunay, apex):
+    """Two tets at a triangle with circumradius 1; the circumcenter of an apex at a lies (a - 1/a) / 2 above it."""
+    height = (apex - 1 / apex) / 2
+    other = -height - short * np.hypot(1.0, height)  # both circumradii are that hypotenuse
+    rim = np.array([0.5, 2.1, 4.4])
+    points = np.column_stack([np.cos(rim), np.sin(rim), np.zeros(3)])
+    points = np.vstack([points, [0, 0, apex], [0, 0, -other - np.hypot(1.0, other)]]) * size
+    mesh = TetMesh(points, [[0, 1, 2, 3], [0, 2, 1, 4]])
+    assert tiers(mesh).name == ("Delaunay" if delaunay else "valid")
+    missing = misses(mesh, quality.measure(mesh), one_sided=False)
+    assert missing.tolist() == [not delaunay] * 2
+
+
+def test_slivers_on_a_sphere_are_delaunay_where_rounding_hides_it():
+    """Cospherical to the bit, and so flat that the bound is far above a billionth of the radius."""
+    points = np.array(
+        [[-830, 719, 358], [134, 625, 962], [60, 972, 621], [-720, 180, 885], [-1154, -47, 10]], dtype=float
+    )
+    mesh = TetMesh(points, [[0, 1, 2, 3], [0, 1, 3, 4]])
+    lengths, errors = dual_lengths(mesh)
+    assert len(set((points**2).sum(axis=1).tolist())) == 1
+    assert errors[0] > 1e-8 * quality.circumradii(mesh.points, mesh.tets).max() > 0
+    assert tiers(mesh).name == "Delaunay"
