@@ -68,6 +68,7 @@ class Change:
 
     @property
     def path(self) -> Path:
+        """Of the module's file."""
         return ROOT / "wct_plugin" / self.module
 
     @property

@@ -292,7 +292,7 @@ def test_on_the_command_line(tmp_path, capsys):
 
 
 def _negative_power_pair():
-    """Two flat tets at a facet, the third vertex across it well inside the sphere of the first, and a sound one apart."""
+    """Two flat tets at a facet, each with its last vertex inside the other's sphere, and a sound tet apart."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.25, 0.25, 0.25], [0.25, 0.25, -0.25]])
     pair = TetMesh(points, np.array([[0, 1, 2, 3], [0, 2, 1, 4]]))
     return _joined(_moved(regular_tet(), 5.0), pair)

@@ -92,7 +92,7 @@ def test_a_height_is_unknown_where_its_divisor_is_in_doubt_by_a_quarter():
 @pytest.mark.parametrize("mesh", [jittered_cube(2, 3), ball(2)])
 @pytest.mark.parametrize("material", [False, True])
 def test_the_errors_of_duals_are_those_of_their_parts_added_up(mesh, material):
-    """Per tet, facet and edge of it, l / 4 times what is unknown of cot h; volumes are l / 6 times areas, half to either end."""
+    """Per tet, facet and edge of it, l / 4 times what is unknown of cot h; to either end's volume l^2 / 24 times it."""
     coefficient = np.linspace(-2.0, 3.0, len(mesh.tets)) if material else np.ones(len(mesh.tets))
     of = compute_duals(mesh, coefficient=coefficient if material else None)
     _, errors, cotangents = quality.heights_and_cotangents(mesh.points, mesh.tets)

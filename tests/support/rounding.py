@@ -1,8 +1,8 @@
 """What bounds rounding, counted by running the code itself on numbers that count.
 
-A number here is exact, and beside it stands the sum of the same products with every term replaced by its absolute value,
-and through how many roundings a term has gone at most. NumPy's arrays of objects take it through code that is written
-for floating point.
+A number here is exact, and beside it stand the sum of the same products with every term replaced by its absolute
+value, and through how many roundings a term has gone at most. NumPy's arrays of objects take it through code that is
+written for floating point.
 """
 
 from dataclasses import dataclass
