@@ -74,7 +74,7 @@ def test_an_error_between_two_writers_names_what_the_first_one_wrote(
 @pytest.mark.parametrize("lost", [False, True])
 @pytest.mark.parametrize("module", ["click", "wct_plugin.io.reader"])
 def test_a_signal_while_modules_are_imported(tmp_path: Path, sent: str, lost: bool, module: str) -> None:
-    """Before there is a command, and while one imports what it needs; also where Python drops what the signal raises."""
+    """Before there is a command, and while one is at its imports; also where Python drops what the signal raises."""
     wct.write(tmp_path / "in.vtu", jittered_cube(2))
     program = f"""
 import os, signal, sys
