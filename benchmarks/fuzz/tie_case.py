@@ -16,7 +16,7 @@ from benchmarks.fuzz.judge import exact, ties
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-#: Coordinates that reports and filters take are between this and its inverse; flags and certificates take all.
+#: Meshes that reports and filters take are larger than this and smaller than its inverse; flags take all.
 UNIT = 1e-85
 
 
@@ -113,6 +113,11 @@ def _positive(points: Floats, tets: Ints) -> Ints:
     return np.array(kept, dtype=np.int64).reshape(-1, 4)
 
 
+def is_ordinary(points: Floats) -> bool:
+    """Whether reports and filters take a mesh, by its unit of length."""
+    return bool(UNIT < np.abs(np.ptp(points / 2, axis=0)).max() < 1 / UNIT)
+
+
 def judged(points: Floats, tets: Ints) -> list[str]:
     """What the package says of a mesh, in numbers, flags, reports, JSON and certificate, beside what is exactly so."""
     import wct_plugin as wct
@@ -127,7 +132,7 @@ def judged(points: Floats, tets: Ints) -> list[str]:
     lengths = (measured.min_height > 0, measured.max_face_angle < 90, measured.max_dihedral_angle < 90)
     faults = ties.faults_of_flags("flag", flags, true)
     faults += ties.faults_of_flags("by its measure, flag", dict(zip(flags, lengths, strict=True)), true)
-    if not UNIT < np.abs(points).max() < 1 / UNIT:
+    if not is_ordinary(points):
         return faults + ties.faults_of_certificate(_as_json(certify(mesh)), true)
     marked, _ = wct.apply_filter("compute_scalar_by_well_centeredness", mesh)
     faults += ties.faults_of_flags("array", {name: marked.cell_data[f"is_{name}"] for name in flags}, true)

@@ -45,7 +45,7 @@ def case() -> tuple[dict[str, Any], ties.Told]:
         points, tets = tie_case.make(4, number)
         true = ties.told(points, tets)
         mixed = all(0 < sum(values) < len(tets) for values in true.flags.values())
-        if mixed and min(true.powers) >= 0 and tie_case.UNIT < np.abs(points).max() < 1 / tie_case.UNIT:
+        if mixed and min(true.powers) >= 0 and tie_case.is_ordinary(points):
             report = make_report(TetMesh(points, tets), exact=True).to_dict()
             if report["tiers"]["valid"]:
                 return report, true

@@ -17,7 +17,7 @@ namespace wct::tests {
 namespace {
 
 /// Calls of a run, and of each of its stages, that are forked at: the children of later ones would say no more.
-constexpr int kMost = 150;
+constexpr int kMost = 70;
 constexpr int kEach = 12;
 
 struct Stopped : std::runtime_error {
