@@ -84,7 +84,7 @@ class Change:
         before = ast.unparse(node)
         _variants(node)[self.variant](node)
         ast.fix_missing_locations(tree)
-        line: int = node.lineno  # type: ignore[attr-defined]
+        line: int = (node.target if isinstance(node, ast.comprehension) else node).lineno  # type: ignore[attr-defined]
         what = f"`{before}` to `{ast.unparse(node)}` in `{text.splitlines()[line - 1].strip()}`".replace("|", "\\|")
         return compile(tree, str(self.path), "exec"), line, what
 
@@ -213,7 +213,7 @@ def _judge(change: Change | None, tests: Sequence[str], says: int) -> None:
             "-Wignore::pytest.PytestAssertRewriteWarning",
             f"--basetemp={WORK / 'tmp'}",
         ]
-        for some in (tests[:1], tests[1:]):  # most are noticed before all the others need be imported
+        for some in filter(None, (tests[:1], tests[1:])):  # most are noticed before the others are imported
             code = int(pytest.main([*options, *(str(ROOT / "tests" / test) for test in some)], plugins=[first]))
             if code:
                 break

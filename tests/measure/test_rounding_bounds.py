@@ -65,7 +65,7 @@ def test_the_bound_of_a_height_has_its_three_parts(flatness):
             height = abs(float(number[k].value)) / (2 * volume * area)
             numerator = 24 * float(number[k].size) / (2 * volume * area)
             parts = numerator + height * (10 * float(det.size) / volume + 10 * size / area)
-            assert errors[k, facet ^ shapes.base[k]] == pytest.approx(2 * float(EPS) * parts, rel=1e-5)
+            assert errors[k, facet ^ shapes.base[k]] == pytest.approx(2 * float(EPS) * parts, rel=1e-5, abs=0)
 
 
 def test_a_height_is_unknown_where_its_divisor_is_in_doubt_by_a_quarter():
@@ -111,9 +111,9 @@ def test_the_errors_of_duals_are_those_of_their_parts_added_up(mesh, material):
             for end in ends.tolist():
                 volumes[end] += factor * doubt * length**2 / 24
     for found, expected in ((of.area_errors, areas), (of.volume_errors, volumes), (of.errors, lengths)):
-        assert found == pytest.approx(list(expected.values()), rel=1e-9)
+        assert found == pytest.approx(list(expected.values()), rel=1e-9, abs=0)
     if not material:
-        assert dual_lengths(mesh)[1] == pytest.approx(of.errors, rel=1e-12)
+        assert dual_lengths(mesh)[1] == pytest.approx(of.errors, rel=1e-12, abs=0)
 
 
 def test_a_cotangent_is_as_good_as_the_duals_take_it_for():
