@@ -17,7 +17,7 @@ def test_a_seed_draws_the_same_changes_of_all_modules() -> None:
 
 
 def test_each_change_is_another_program() -> None:
-    for change in mutants.drawn(list(MODULES), 1)[:60]:
+    for change in mutants.drawn(list(MODULES), 1)[:25]:
         before = change.path.read_text(encoding="utf-8")
         code, line, what = change.applied()
         assert code.co_code != b""
@@ -35,7 +35,8 @@ def test_annotations_and_words_are_left_alone() -> None:
 
 def test_a_change_is_noticed_where_a_test_fails_and_nowhere_else() -> None:
     """In a process of its own, where the module is not imported yet."""
-    changes = {change.applied()[2].partition(" in ")[0]: change for change in mutants.drawn(list(MODULES), 1)}
+    drawn = mutants.drawn(["certify/box_pairs.py", "certify/certificate.py"], 1)
+    changes = {change.applied()[2].partition(" in ")[0]: change for change in drawn}
     swapped, larger = changes["`a_low <= b_high` to `a_low > b_high`"], changes["`40` to `41`"]
     tests = ["certify/test_box_pairs.py"]
     program = f"""
@@ -47,4 +48,6 @@ for change in (None, {swapped}, {larger}):
     print(mutants.noticed(change, {tests}))
 """
     done = subprocess.run([sys.executable, "-c", program], cwd=mutants.ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout == "\ntest_box_pairs.py::test_those_of_a_plain_search\n\n"
+    before, noticed, after = done.stdout.splitlines()
+    assert (before, after) == ("", "")
+    assert noticed.startswith("test_box_pairs.py::test_all_pairs_and_no_others[")
