@@ -410,20 +410,20 @@ def _all_positive(
 def _well_centered_3(corners: Floats) -> Bools:
     """(c,) for tets given by their corners (c, 4, 3), by exact signs."""
     values = exact_signs(predicates.circumcenter, corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4))
-    inside: Bools = (values.values > 0).all(axis=1)
+    inside: Bools = np.all(values.values > 0, axis=1)
     return inside
 
 
 def _well_centered_2(corners: Floats) -> Bools:
     cells = 4 * np.arange(len(corners))[:, None, None] + FACETS
     values = exact_signs(predicates.corners, corners.reshape(-1, 3), cells.reshape(-1, 3)).values
-    acute: Bools = (values.reshape(len(corners), -1) > 0).all(axis=1)
+    acute: Bools = np.all(values.reshape(len(corners), -1) > 0, axis=1)
     return acute
 
 
 def _acute(corners: Floats) -> Bools:
     values = exact_signs(predicates.pulls, corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4)).values
-    acute: Bools = (values[:, _NORMAL_PAIRS] < 0).all(axis=1)
+    acute: Bools = np.all(values[:, _NORMAL_PAIRS] < 0, axis=1)
     return acute
 
 
