@@ -11,6 +11,7 @@ from benchmarks.fuzz.judge.result import Arrays
 from benchmarks.fuzz.outer_facets import boundary_of
 
 Floats = NDArray[np.float64]
+_NOTHING = "; nothing was written"
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,9 @@ def faults_of_command(code: int, text: str, folder: Path, inputs: set[str], prom
     faults += [f"{name} is left" for name in sorted(left) if name.startswith(".")]
     lines = [line for line in text.splitlines() if line.startswith("error: ")]
     if code == 2:
-        told = f"error: interrupted; written before: {', '.join(sorted(left))}"
-        if lines != [told if left else "error: interrupted; nothing was written"]:
+        begins, _, names = "".join(lines).partition("; written before: ")
+        told = set(names.split(", ")) if names else set()
+        if len(lines) != 1 or told != left or begins != "error: interrupted" + ("" if left else _NOTHING):
             faults.append(f"exit code 2, {sorted(left)} is written, and it says {lines}")
     elif code not in (0, 1) or lines:
         faults.append(f"exit code {code}, and it says {lines}")

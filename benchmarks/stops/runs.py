@@ -1,6 +1,7 @@
 """A case as a command, stopped by signals, and in Python, stopped by its callback."""
 
 import os
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -72,6 +73,7 @@ def as_command(case: Case, most: int, folder: Path) -> Found:
     parent = os.getpid()
     os.chdir(folder)
     interrupt.raise_on_sigterm()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that starts this behind it has it ignored
     code = main.run(case.command)
     if os.getpid() != parent:
         os._exit(code)
