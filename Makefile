@@ -17,7 +17,7 @@ DEB_BUILD := $(shell $(PYTHON) -c 'import sysconfig,os;print("" if os.path.exist
 DEB_TEST := doctest-dev tetgen calculix-ccx chromium libgl1 libglu1-mesa libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: demo test bench kills fuzz lint docs wheel clean
+.PHONY: demo test bench kills stops mutants fuzz lint docs wheel clean
 
 demo: $(VENV)/.demo
 	$(BIN)/wct optimize "$$($(BIN)/python -c 'import importlib.util as u; print(u.find_spec("pymeshlab").submodule_search_locations[0])')/tests/sample_meshes/bone.ply" \
@@ -49,9 +49,18 @@ wheel: $(VENV)/.test
 kills: $(VENV)/.test
 	$(BIN)/python -m benchmarks.kills $(COUNT)
 
-# make fuzz [MINUTES=30] [SEED=n], or CASE=kind:seed:number: one case once more; findings in build/fuzz/findings
+# make stops [MOST=calls of each visit to a stage]: runs stopped in every stage, and what is left
+stops: $(VENV)/.test
+	$(BIN)/python -W ignore -m benchmarks.stops $(if $(MOST),--most $(MOST))
+
+# make mutants [COUNT=200] [SEED=1]: changes of the Python modules that judge, and the tests that notice them
+mutants: $(VENV)/.test
+	$(BIN)/python -m benchmarks.mutants $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED))
+
+# make fuzz [MINUTES=30] [SEED=n] [KIND=file, command or tie] [CASES=of each kind, at most], or CASE=kind:seed:number: one case once more; findings in build/fuzz/findings
 fuzz: $(VENV)/.test
-	PYTHONPATH=. $(BIN)/python -m benchmarks.fuzz $(if $(MINUTES),--minutes $(MINUTES)) $(if $(SEED),--seed $(SEED)) $(if $(CASE),--case $(CASE))
+	PYTHONPATH=. $(BIN)/python -m benchmarks.fuzz $(if $(MINUTES),--minutes $(MINUTES)) $(if $(SEED),--seed $(SEED)) $(if $(KIND),--kind $(KIND)) \
+		$(if $(CASES),--cases $(CASES)) $(if $(CASE),--case $(CASE))
 
 docs: $(VENV)/.test
 	$(BIN)/wct filters --markdown docs/filters.md

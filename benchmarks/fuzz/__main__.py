@@ -7,37 +7,43 @@ from pathlib import Path
 
 import click
 
-from benchmarks.fuzz import command_child, command_run, file_case, file_run, seed_files
+from benchmarks.fuzz import command_child, command_run, file_case, file_run, seed_files, tie_case, tie_run
 from benchmarks.fuzz.findings import Findings
 
-#: Of the time, the share that mutated files get: they are many in it, and commands few.
-FILES = 0.35
+#: Of the time, the share that each kind gets: mutated files are many in it, and commands few.
+SHARES = {"file": 0.3, "command": 0.6, "tie": 0.1}
 _MOST = 10_000_000
 
 
 @click.command()
 @click.option("--minutes", default=30.0, show_default=True, help="How long, in all.")
 @click.option("--seed", default=0, show_default=True, help="Of all cases.")
-@click.option("--kind", type=click.Choice(["file", "command"]), help="Cases of this kind only.")
+@click.option("--kind", type=click.Choice(list(SHARES)), help="Cases of this kind only.")
+@click.option("--cases", default=_MOST, help="How many of each kind, at most.")
 @click.option("--case", "case", metavar="KIND:SEED:NUMBER", help="One case only, whose files are kept and shown.")
 @click.option("--out", default=Path("build/fuzz"), type=click.Path(path_type=Path), show_default=True)
-def main(minutes: float, seed: int, kind: str | None, case: str | None, out: Path) -> None:
+def main(minutes: float, seed: int, kind: str | None, cases: int, case: str | None, out: Path) -> None:
     """Run random cases; findings are kept below OUT, and the exit code is 1 where there are some."""
     if case is not None:
         sys.exit(_again(case, out))
     findings = Findings(out / "findings")
-    if kind != "command":
-        _files(seed, 60 * minutes * (FILES if kind is None else 1), out, findings)
-    if kind != "file":
-        command_run.run(seed, 0, _MOST, 60 * minutes * (1 - FILES if kind is None else 1), findings)
+    for one in SHARES if kind is None else [kind]:
+        seconds = 60 * minutes * (SHARES[one] if kind is None else 1)
+        match one:
+            case "file":
+                _files(seed, cases, seconds, out, findings)
+            case "command":
+                command_run.run(seed, 0, cases, seconds, findings)
+            case _:
+                tie_run.run(seed, cases, seconds, findings)
     click.echo("\n".join(findings.lines()))
     sys.exit(bool(findings.found))
 
 
-def _files(seed: int, seconds: float, out: Path, findings: Findings) -> None:
+def _files(seed: int, cases: int, seconds: float, out: Path, findings: Findings) -> None:
     end, first = time.monotonic() + seconds, 0
-    while time.monotonic() < end:
-        file_run.run(out / "seeds", seed, first, first + file_run.CHUNK, findings)
+    while time.monotonic() < end and first < cases:
+        file_run.run(out / "seeds", seed, first, min(cases, first + file_run.CHUNK), findings)
         first += file_run.CHUNK
 
 
@@ -50,6 +56,10 @@ def _again(case: str, out: Path) -> int:
         outcome = file_case.read_and_judge(path)
         click.echo(f"{path}\n{outcome.what}: {outcome.said}")
         faults = list(outcome.faults)
+    elif kind == "tie":
+        points, tets = tie_case.make(int(seed), int(number))
+        click.echo(f"points = {points.tolist()}\ntets = {tets.tolist()}")
+        faults = tie_case.judged(points, tets)
     else:
         made, ran, faults = command_child.whole(int(seed), int(number), place)
         click.echo(

@@ -55,13 +55,13 @@ def _become(case: Case, folder: Path, cores: int) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (2 * command_case.CPU, 2 * command_case.CPU + 1))
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        from wct_plugin.cli import main
+        from wct_plugin.cli import entry
 
         sys.argv = ["wct", *case.arguments]
         try:
             if case.name == "object":
                 sys.exit(object_program.main(case.arguments))
-            main.main()
+            entry.main()
         except SystemExit as ended:
             code = ended.code if isinstance(ended.code, int) else 0 if ended.code is None else 1
     except KeyboardInterrupt:

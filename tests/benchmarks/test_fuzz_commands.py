@@ -15,7 +15,7 @@ from support.fuzzing import POINTS, command
 
 from benchmarks.fuzz import command_case, command_child, random_mesh
 from benchmarks.fuzz.command_case import Ran
-from wct_plugin.cli import main
+from wct_plugin.cli import entry, main
 from wct_plugin.io import read
 
 
@@ -58,7 +58,7 @@ def test_commands_that_do_not_hold(
     does: Callable[[], Any], fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = command(tmp_path)
-    monkeypatch.setattr(main, "main", does)
+    monkeypatch.setattr(entry, "main", does)
     found = command_case.judge(case, command_child.run(case, tmp_path), tmp_path)
     assert any(fault in one for one in found), found
 
@@ -110,9 +110,9 @@ def test_another_result_on_one_core(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         meshio.write("out.vtu", mesh)
         raise SystemExit(code)
 
-    monkeypatch.setattr(main, "main", another)
+    monkeypatch.setattr(entry, "main", another)
     assert command_child._again(case, ran, tmp_path) == ["points differ on one core"]
-    monkeypatch.setattr(main, "main", _exits(2, "error: a"))
+    monkeypatch.setattr(entry, "main", _exits(2, "error: a"))
     assert command_child._again(case, ran, tmp_path) == [f"the exit code is {ran.code}, and 2 on one core"]
 
 

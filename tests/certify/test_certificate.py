@@ -8,17 +8,18 @@ from itertools import combinations
 import numpy as np
 import pytest
 from support.builders import bcc, delaunay, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation, single
-from support.certifying import share_more_than_a_face
+from support.certifying import circumcenter, cosines, power, share_more_than_a_face
 from support.printed import PAPER_TETS
 
 import wct_plugin as wct
-from wct_plugin.certify.certificate import certify
+from wct_plugin.certify.certificate import HEAD, certify
 from wct_plugin.certify.overlaps import _crossing, _Judge
 from wct_plugin.cli import main
 from wct_plugin.creation import bundled_meshes
 from wct_plugin.errors import InputError
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.topology import FACETS
 from wct_plugin.reports.html_report import html
 from wct_plugin.reports.report import make_report
 
@@ -285,3 +286,84 @@ def test_on_the_command_line(tmp_path, capsys):
     assert "not a valid mesh" in capsys.readouterr().out
     assert main.run(["report", bad, good, "--exact", "--json", "-"]) == 1
     assert [one["certificate"]["valid"] for one in json.loads(capsys.readouterr().out)] == [False, True]
+
+
+# --- what a violation says ------------------------------------------------------------------------------------------
+
+
+def _negative_power_pair():
+    """Two flat tets at a facet, each with its last vertex inside the other's sphere, and a sound tet apart."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.25, 0.25, 0.25], [0.25, 0.25, -0.25]])
+    pair = TetMesh(points, np.array([[0, 1, 2, 3], [0, 2, 1, 4]]))
+    return _joined(_moved(regular_tet(), 5.0), pair)
+
+
+def test_a_violation_names_its_tets_its_vertices_and_its_exact_value():
+    mesh = _negative_power_pair()
+    found = certify(mesh)
+    assert found.valid
+    (delaunay,) = found.checks["delaunay"].first
+    across = int(np.setdiff1d(mesh.tets[2], mesh.tets[1])[0])
+    assert (delaunay.tets, delaunay.vertices) == ((1, 2), (*mesh.tets[1].tolist(), across))
+    assert Fraction(delaunay.value) == power(mesh.points[mesh.tets[1]], mesh.points[across]) < 0
+    for one, tet in zip(found.checks["3wc"].first, (1, 2), strict=True):
+        assert (one.tets, one.vertices) == ((tet,), tuple(mesh.tets[tet].tolist()))
+        assert Fraction(one.value) == min(circumcenter(mesh.points[mesh.tets[tet]])[1])
+    named = {one.vertices: one for one in found.checks["2wc"].first}
+    triangles = np.unique(np.sort(mesh.tets[:, FACETS].reshape(-1, 3), axis=1), axis=0)
+    bad = sum(min(cosines(mesh.points[corners])) <= 0 for corners in triangles)
+    assert (found.checks["2wc"].violations, len(named)) == (bad, 5)
+    for vertices, one in named.items():
+        assert set(vertices) < set(mesh.tets[one.tets[0]].tolist())
+        assert Fraction(one.value) == min(cosines(mesh.points[list(vertices)])) <= 0
+
+
+def test_values_keep_all_their_digits_or_six_and_never_become_zero():
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.2, 0.6]])
+    for x, text in (
+        (-0.125, "-1/8"),
+        (-(2.0**-120), f"-1/{2**120}"),
+        (-(2.0**-130), "-7.34684e-40"),
+        (-5e-324, "-4.94066e-324"),
+    ):
+        corners[2, 0] = x
+        values = [one.value for one in certify(single(corners)).checks["2wc"].first if set(one.vertices) == {0, 1, 2}]
+        assert values == [text]
+
+
+def test_five_violations_are_named_and_all_are_counted(monkeypatch):
+    """Whatever the size of the pieces in which cells are gathered."""
+    mesh = kuhn_cube(2)
+    whole = certify(mesh)
+    assert [len(whole.checks[name].first) for name in ("3wc", "2wc")] == [5, 5]
+    assert whole.checks["3wc"].violations == whole.checks["3wc"].ties == len(mesh.tets) == 48
+    overlapping = _joined(kuhn_cube(1), kuhn_cube(1))
+    assert (
+        len(certify(overlapping).checks["conformity"].first) == 5 < certify(overlapping).checks["conformity"].violations
+    )
+    for module in ("certificate", "overlaps"):
+        monkeypatch.setattr(f"wct_plugin.certify.{module}._BLOCK", 5)
+    assert certify(mesh).to_dict() == whole.to_dict()
+
+
+def test_conformity_names_both_tets_and_their_vertices():
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.2, 1], [0.3, 0.3, 2.0]])
+    found = certify(TetMesh(points, np.array([[0, 1, 2, 3], [0, 1, 2, 4]]))).checks["conformity"]
+    assert (found.first[0].tets, found.first[0].vertices, found.first[0].value) == ((0, 1), (0, 1, 2, 3, 4), "")
+    assert (found.elements, found.ties, found.passed) == (7, 0, False)
+
+
+def test_words_of_a_certificate():
+    good, bad = certify(bcc(2)), certify(_joined(regular_tet(), regular_tet()))
+    assert good.headline() == "proven: valid, Delaunay, 3WC, 2WC, CWC"
+    assert bad.headline() == "not a valid mesh"
+    assert not any(bad.meets(goal) for goal in ("delaunay", "3wc", "2wc", "cwc"))
+    assert [row[0] for row in good.rows()] == ["orientation", "conformity", "Delaunay", "3WC", "2WC"]
+    assert all(len(row) == len(HEAD) for row in good.rows())
+    assert [row[3] for row in good.rows()] == ["0", "-", "0", "0", "0"]
+    assert good.lines() == []
+    flat = certify(kuhn_cube(1))
+    assert flat.headline() == "proven: valid, Delaunay"
+    assert flat.rows()[3][:4] == ("3WC", "6 tets", "6", "6")
+    assert len(flat.lines()) == 10
+    assert flat.lines()[0].startswith("3WC: tet 0, vertices 0 ")

@@ -68,3 +68,34 @@ def test_an_error_between_two_writers_names_what_the_first_one_wrote(
     said = capsys.readouterr().err
     assert said == "error: disk/out.vtu: cannot be written: No space left on device; written before: out.vtu\n"
     assert [path.name for path in small_disk.iterdir()] == ["rest"]
+
+
+@pytest.mark.parametrize("sent", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("lost", [False, True])
+@pytest.mark.parametrize("module", ["click", "wct_plugin.io.reader"])
+def test_a_signal_while_modules_are_imported(tmp_path: Path, sent: str, lost: bool, module: str) -> None:
+    """Before there is a command, and while one is at its imports; also where Python drops what the signal raises."""
+    wct.write(tmp_path / "in.vtu", jittered_cube(2))
+    program = f"""
+import os, signal, sys
+
+class Interrupted:
+    def __del__(self):
+        os.kill(os.getpid(), signal.{sent})
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            sys.meta_path.remove(self)
+            {"Interrupted()" if lost else f"os.kill(os.getpid(), signal.{sent})"}
+
+sys.meta_path.insert(0, Finder())
+sys.argv = ["wct", "report", "in.vtu", "--json", "out.json"]
+from wct_plugin.cli.entry import main
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (2, "", "error: interrupted; nothing was written")
+    assert [path.name for path in tmp_path.iterdir()] == ["in.vtu"]

@@ -1,17 +1,33 @@
 """Exact signs: the filter never lies, integers decide the rest; against fractions."""
 
+from fractions import Fraction
+from inspect import signature
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.builders import rotation
 from support.certifying import circumcenter, cosines, power
+from support.rounding import EPS, counted
 
-from wct_plugin.exact import predicates
-from wct_plugin.exact.polynomial_signs import exact_signs, exact_values
+from wct_plugin.exact import polynomial_signs, predicates
+from wct_plugin.exact.polynomial_signs import _rounded, exact_signs, exact_values
 
 LATTICE = st.lists(st.tuples(*[st.integers(-3, 3)] * 3), min_size=5, max_size=5)
 TET = np.arange(4)[None]
+POLYNOMIALS = (
+    predicates.volume,
+    predicates.circumcenter,
+    predicates.pulls,
+    predicates.circumsphere,
+    predicates.corners,
+    predicates.normal,
+    predicates.fold,
+    predicates.beyond_edge,
+    predicates.along_edges,
+    predicates.middle_above,
+)
 
 
 def _signs(polynomial, points, cells):
@@ -45,20 +61,6 @@ def test_agree_with_fractions(corners, seed, ulps, scale):
     assert [value / sum(scaled) for value in scaled] == inside
 
 
-@pytest.mark.parametrize("polynomial", [predicates.volume, predicates.circumcenter])
-@pytest.mark.parametrize("flatness", [1.0, 1e-8, 1e-15])
-def test_the_bound_holds(polynomial, flatness):
-    """The error of what the filter computes is below its bound for random and nearly flat tets."""
-    from wct_plugin.exact.polynomial_signs import _rounded
-
-    points = np.random.default_rng(0).uniform(-0.5, 0.5, (50, 4, 3)) * [1.0, 1.0, flatness] @ rotation(1).T
-    edges = (points[:, 1:] - points[:, :1]).transpose(1, 2, 0)
-    for column, found in enumerate(polynomial(*map(_rounded, edges))):
-        for k, corners in enumerate(points):
-            exact = exact_values(polynomial, corners)[column]
-            assert abs(float(exact - type(exact)(found.value[k]))) <= found.bound()[k] + 1e-300
-
-
 def test_a_grid_takes_integers_once_per_shape():
     sizes = []
 
@@ -78,13 +80,63 @@ def test_a_grid_takes_integers_once_per_shape():
 
 
 def test_equal_rounded_edges_are_not_taken_for_equal_shapes():
-    """The edges from a point 2^-60 above the origin round to those from the origin."""
-    points = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0**-60], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 2.0**-61]])
-    cells = np.array([[0, 2, 4], [1, 2, 4], [0, 2, 3], [1, 2, 3]])
-    for dots in (predicates.corners, lambda u, v: (predicates.corners(u, v)[0],)):
-        found = exact_signs(dots, points, cells)
+    """The edges from a point 2^-60 beside the origin round to those from the origin; one angle is right."""
+    points = np.array([[0.0, 0.0, 0.0], [2.0**-60, 0.0, 0.0], [1.0, 1.0, 1.0], [1.0, -2.0, 1.0]])
+    for cells in ([[0, 2, 3], [1, 2, 3]], [[1, 2, 3], [0, 2, 3]]):
+        found = exact_signs(predicates.corners, points, np.array(cells))
         assert found.values[:, 0].tolist() == [_sign(cosines(points[cell])[0]) for cell in cells]
-    assert found.values[2:, 0].tolist() == [0, 1]
+        assert set(found.values[:, 0].tolist()) == {0, -1}
+
+
+def _edge_count(polynomial):
+    return len(signature(polynomial).parameters)
+
+
+@pytest.mark.parametrize("polynomial", POLYNOMIALS)
+@pytest.mark.parametrize("flatness", [1.0, 1e-9])
+def test_the_filter_counts_the_roundings_that_are_done(polynomial, flatness):
+    """Its bound is one more than there are, times the exact sum of absolute values, to what that itself is rounded."""
+    shape = (20, 1 + _edge_count(polynomial), 3)
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, shape) * [1.0, 1.0, flatness] @ rotation(1).T
+    edges = (points[:, 1:] - points[:, :1]).transpose(1, 2, 0)
+    exact = counted(points)
+    numbers = polynomial(*(exact[:, 1:] - exact[:, :1]).transpose(1, 2, 0))
+    for found, rows in zip(polynomial(*map(_rounded, edges)), numbers, strict=True):
+        for value, bound, one in zip(found.value.tolist(), found.bound().tolist(), rows, strict=True):
+            assert found.roundings == one.roundings < 40
+            assert abs(Fraction(value) - one.value) <= one.roundings * EPS * one.size
+            assert bound == pytest.approx(float((one.roundings + 1) * EPS * one.size), rel=1e-13, abs=0)
+
+
+@pytest.mark.parametrize(("smallest", "exactly"), [(2.0**-167, 0), (2.0**-168, 1), (2.0**-400, 1)])
+def test_zeros_are_believed_where_nothing_underflows(smallest, exactly):
+    """Four points of a plane, in a box of size 1, which is scaled by a quarter: products of six of 2^-170 underflow."""
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, smallest, 0.0], [1.0, smallest, 0.0]])
+    found = exact_signs(predicates.volume, points, TET)
+    assert found.values.tolist() == [[0]]
+    assert found.exactly == exactly
+
+
+def test_a_value_within_its_bound_is_left_to_integers():
+    """Both sides of a right angle, from where floating point may not tell to where it must."""
+    exactly = []
+    for off in 2.0 ** np.arange(-54, -44):
+        points = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0 + off, 0.0], [-1.0, 1.0 - off, 0.0]])
+        found = exact_signs(lambda u, v: (predicates.corners(u, v)[0],), points, np.array([[0, 1, 2], [0, 1, 3]]))
+        assert found.values[:, 0].tolist() == [_sign(y - 1.0) for y in points[2:, 1].tolist()]
+        exactly.append(found.exactly)
+    bound = 6 * 2 * 2.0**-53  # five roundings, and one for the bound's own; the terms' absolute values add up to 2
+    assert exactly == [2 * (off <= bound) for off in 2.0 ** np.arange(-54, -44)]
+
+
+def test_the_pieces_that_cells_are_taken_in_do_not_matter(monkeypatch):
+    points = np.stack(np.meshgrid(*[np.arange(3.0)] * 3), axis=-1).reshape(-1, 3)
+    cells = np.random.default_rng(1).permuted(np.tile(np.arange(27), (50, 1)), axis=1)[:, :4]
+    whole = exact_signs(predicates.circumcenter, points, cells)
+    monkeypatch.setattr(polynomial_signs, "_CHUNK", 7)
+    pieces = exact_signs(predicates.circumcenter, points, cells)
+    assert np.array_equal(whole.values, pieces.values)
+    assert whole.exactly == pieces.exactly > 0
 
 
 def test_exact_zeros_of_flat_faces_need_no_integers():

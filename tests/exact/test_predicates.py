@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.builders import rotation
 
-from wct_plugin.exact.predicates import orientation
+from wct_plugin.exact.predicates import orientation, turned
 
 TET = np.arange(4)[None]
 
@@ -52,3 +52,14 @@ def test_overflowing_differences():
 def test_underflow_magnified_by_a_huge_edge():
     points = np.array([[0.0, 9.79e93, 2.62e-303], [0.0, 0.0, 0.0], [3.89e-82, 0.0, 0.0], [0.0, 0.0, 0.0]])
     assert orientation(points, np.array([[0, 1, 2, 3]]))[0] == 0
+
+
+def test_only_negative_tets_are_turned():
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]], dtype=float)
+    tets = np.array([[0, 1, 2, 3], [0, 2, 1, 3], [0, 1, 2, 4]])
+    before = tets.copy()
+    found, signs = turned(points, tets)
+    assert found.tolist() == [[0, 1, 2, 3], [0, 2, 3, 1], [0, 1, 2, 4]]
+    assert signs.tolist() == [1, -1, 0]
+    assert (tets == before).all()
+    assert orientation(points, found).tolist() == [1, 1, 0]

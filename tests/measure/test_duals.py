@@ -1,14 +1,25 @@
 """The circumcentric dual against closed forms, identities and SciPy's Voronoi cells."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, Voronoi
-from support.builders import ball, bcc, jittered_cube, kuhn_cube, regular_tet, rotation, single, two_region_cube
+from support.builders import (
+    ball,
+    bcc,
+    jittered_cube,
+    kuhn_cube,
+    regular_tet,
+    rotation,
+    single,
+    two_region_cube,
+)
 from support.flags import signed_duals
 
 from wct_plugin.measure import quality
-from wct_plugin.measure.duals import TIERS, compute_duals, dual_lengths, hodge_star, tiers
-from wct_plugin.mesh import TetMesh
+from wct_plugin.measure.duals import TIERS, compute_duals, dual_lengths, hodge_star, misses, tiers
+from wct_plugin.mesh import TetMesh, region_parts
 from wct_plugin.mesh.topology import FACETS
 
 
@@ -223,3 +234,95 @@ def test_the_errors_are_bounds():
         assert np.isfinite(bounds).all()
         assert (apart <= bounds).all()
         assert apart.max() > 0
+
+
+@pytest.mark.parametrize("size", [1.0, 1e6, 1e-6])
+@pytest.mark.parametrize(("short", "delaunay"), [(0.0, True), (0.9e-9, True), (1.1e-9, False)])
+@pytest.mark.parametrize("apex", [1.0, 2.0])
+def test_circumcenters_the_wrong_way_round_by_a_billionth_are_a_tie(size, short, delaunay, apex):
+    """Two tets at a triangle with circumradius 1; the circumcenter of an apex at a lies (a - 1/a) / 2 above it."""
+    height = (apex - 1 / apex) / 2
+    other = -height - short * np.hypot(1.0, height)  # both circumradii are that hypotenuse
+    rim = np.array([0.5, 2.1, 4.4])
+    points = np.column_stack([np.cos(rim), np.sin(rim), np.zeros(3)])
+    points = np.vstack([points, [0, 0, apex], [0, 0, -other - np.hypot(1.0, other)]]) * size
+    mesh = TetMesh(points, [[0, 1, 2, 3], [0, 2, 1, 4]])
+    assert tiers(mesh).delaunay == delaunay
+    missing = misses(mesh, quality.measure(mesh), one_sided=False)
+    assert missing.tolist() == [not delaunay] * 2
+    if apex == 1.0:  # either circumcenter lies on the facet, so that the tie is one of each region by itself, too
+        halves = replace(mesh, regions=np.array([0, 1]))
+        assert misses(halves, quality.measure(halves), one_sided=False).tolist() == [not delaunay] * 2
+
+
+def test_slivers_on_a_sphere_are_delaunay_where_rounding_hides_it():
+    """Cospherical to the bit, and so flat that the bound is far above a billionth of the radius."""
+    points = np.array(
+        [[-830, 719, 358], [134, 625, 962], [60, 972, 621], [-720, 180, 885], [-1154, -47, 10]], dtype=float
+    )
+    mesh = TetMesh(points, [[0, 1, 2, 3], [0, 1, 3, 4]])
+    _, errors = dual_lengths(mesh)
+    assert len(set((points**2).sum(axis=1).tolist())) == 1
+    assert errors[0] > 1e-8 * quality.circumradii(mesh.points, mesh.tets).max() > 0
+    assert tiers(mesh).name == "Delaunay"
+
+
+def _at(mesh, facet_bad, edge_bad, vertex_bad=()):
+    """Tets that have one of these, found by vertex numbers."""
+    facets = {tuple(sorted(mesh.topology.facets[row].tolist())) for row in np.flatnonzero(facet_bad)}
+    edges = {tuple(sorted(mesh.topology.edges[row].tolist())) for row in np.flatnonzero(edge_bad)}
+    points = set(np.flatnonzero(vertex_bad).tolist()) if len(vertex_bad) else set()
+    found = []
+    for tet in mesh.tets.tolist():
+        mine = [tuple(sorted(tet[:k] + tet[k + 1 :])) in facets for k in range(4)]
+        mine += [(min(a, b), max(a, b)) in edges for a in tet for b in tet if a != b]
+        found.append(any(mine) or bool(points & set(tet)))
+    return found
+
+
+@pytest.mark.parametrize("halves", [False, True])
+@pytest.mark.parametrize("amount", [0.3, 0.4])
+def test_misses_are_the_tets_at_what_is_not_as_it_should_be(halves, amount):
+    """Of a well-centered tiling in which a few vertices moved."""
+    tiling = bcc(4)
+    points = tiling.points.copy()
+    moved = interior_points(tiling)[::3]
+    points[moved] += np.random.default_rng(4).uniform(-amount, amount, (len(moved), 3))
+    mesh = TetMesh(points, tiling.tets)
+    if halves:
+        mesh = replace(mesh, regions=(mesh.points[mesh.tets].mean(axis=1)[:, 0] > 2).astype(np.int64))
+    parts = region_parts.apart(mesh)
+    dual = compute_duals(parts)
+    positive = _at(
+        parts, dual.lengths <= dual.errors, dual.areas <= dual.area_errors, dual.volumes <= dual.volume_errors
+    )
+    measured = quality.measure(mesh)
+    assert misses(mesh, measured, one_sided=True).tolist() == positive
+    lengths, errors = dual_lengths(mesh)
+    radii = quality.circumradii(mesh.points, mesh.tets)
+    pairs = mesh.topology.interior_pairs
+    encroached = np.zeros(len(lengths), dtype=bool)
+    for row, (one, _, other, _) in enumerate(pairs.tolist()):
+        encroached[row] = lengths[row] < -errors[row] - 1e-9 * (radii[one] + radii[other]) / 2
+    crossed = _at(mesh, encroached, np.zeros(len(mesh.topology.edges), dtype=bool))
+    if halves:
+        largest = np.zeros(len(dual.lengths))
+        for tet, facets in enumerate(parts.topology.tet_facets.tolist()):
+            for facet in facets:
+                largest[facet] = max(largest[facet], radii[tet])
+        squares = (np.diff(parts.points[parts.topology.edges], axis=1)[:, 0] ** 2).sum(axis=1)
+        negative = _at(
+            parts, dual.lengths < -dual.errors - 1e-9 * largest, dual.areas < -dual.area_errors - 1e-9 * squares
+        )
+        crossed = [a or b for a, b in zip(crossed, negative, strict=True)]
+    assert misses(mesh, measured, one_sided=False).tolist() == crossed
+    assert all(0 < sum(one) < len(mesh.tets) for one in (positive, crossed))
+
+
+def test_nothing_misses_where_all_tets_are_well_centered():
+    obtuse = single([[-0.88, 0.42, -0.22], [-0.51, 0.74, -0.45], [-0.06, 0.97, -0.23], [0.67, -0.67, 0.32]])
+    measured = quality.measure(obtuse)  # 3WC, with a negative dual area at an obtuse triangle
+    assert misses(obtuse, measured, one_sided=True).tolist() == [True]
+    assert misses(obtuse, measured, one_sided=False).tolist() == [False]
+    for one_sided in (False, True):
+        assert not misses(bcc(2), quality.measure(bcc(2)), one_sided=one_sided).any()

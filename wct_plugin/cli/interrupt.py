@@ -1,14 +1,40 @@
 """What ends ``wct`` from outside: Ctrl-C, and SIGTERM, which batch schedulers send. Both do the same."""
 
+import _thread
 import signal
+import sys
+import threading
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+#: Seconds after which an interrupt that was lost comes again.
+_AGAIN = 0.02
 
 
 def raise_on_sigterm() -> None:
     """Let SIGTERM raise KeyboardInterrupt, as Python has it for Ctrl-C: what was begun is then tidied up."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def repeat_where_lost() -> None:
+    """Let an interrupt come again that was raised where Python drops exceptions: in what runs as an object is freed."""
+    before = sys.unraisablehook
+
+    def hear(lost: "sys.UnraisableHookArgs") -> None:
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            before(lost)
+            return
+        again = threading.Timer(_AGAIN, _thread.interrupt_main)
+        again.daemon = True
+        again.start()
+
+    sys.unraisablehook = hear
+
+
+def end_at_once() -> None:
+    """Let either signal end the process without a word: all is done."""
+    for one in _SIGNALS:
+        signal.signal(one, signal.SIG_DFL)
 
 
 class FirstAsks:

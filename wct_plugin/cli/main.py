@@ -13,9 +13,7 @@ from contextlib import suppress
 
 import click
 
-from wct_plugin.cli.closed_streams import flushed, open_closed_streams
 from wct_plugin.cli.commands import Commands
-from wct_plugin.cli.interrupt import raise_on_sigterm
 from wct_plugin.cli.messages import FAILED, GOAL_MET, fail, show_warning, showing_notes
 from wct_plugin.cli.save_case import Case, noting_case
 from wct_plugin.errors import InternalError, WctError, WctWarning, one_line
@@ -67,11 +65,3 @@ def _crash(error: Exception, case: Case, arguments: Sequence[str] | None) -> str
     if os.environ.get("WCT_TRACEBACK"):
         raise error
     return f"{one_line(error)}; {saved} (WCT_TRACEBACK=1 shows where)"
-
-
-def main() -> None:
-    """Entry point of the ``wct`` script."""
-    open_closed_streams()
-    raise_on_sigterm()
-    code = run()
-    sys.exit(code if flushed() else FAILED)

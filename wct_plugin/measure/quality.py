@@ -11,9 +11,11 @@ P_i is a polynomial: nothing is divided by a volume that may be tiny, so a slive
 
 Signs and rounding
 ------------------
-A flag is True only where the floating-point value exceeds a bound of its own rounding error, so exact right angles
-and circumcenters that lie in a facet never pass. The input coordinates count as exact; their differences are then
-rounded once, relative to themselves, so distance from the origin does no harm. The bound is the usual one: a sum of
+A flag is exact: floating point decides where the value exceeds a bound of its own rounding error, on either side of
+zero, and :mod:`wct_plugin.exact` the rest, so exact right angles and circumcenters that lie in a facet never pass, and
+what is off by one unit in the last place is told from them. The smallest h/R and the largest angles are kept on their
+flag's side of 0 and 90 degrees. The input coordinates count as exact; their differences are then rounded once,
+relative to themselves, so distance from the origin does no harm. The bound is the usual one: a sum of
 products whose terms each pass through k roundings is off by at most k eps (eps = 2^-53) times the same sum with every
 term replaced by its absolute value, to first order. Here k is 19 for P_1..P_3 and 22 for P_0 (24 used for both), 13
 for N_i . N_j (15 used), 5 for the dot product of the two edges at a face angle (6 used); the slack covers the higher
@@ -22,13 +24,15 @@ the shortest edges, so each tet is first renumbered that way. Points are scaled 
 which is exact, so that no unit of length under- or overflows.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.exact import predicates
+from wct_plugin.exact.polynomial_signs import exact_signs
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import EDGES, FACETS
 from wct_plugin.types import Bools, Floats, Ints
@@ -56,6 +60,10 @@ _SPANS = [
 ]
 #: Per edge: the two facets that meet there, the ones opposite its two missing vertices.
 _WINGS = [tuple(facet for facet in range(4) if facet not in pair) for pair in _PAIRS]
+#: Columns of :func:`wct_plugin.exact.predicates.pulls`: the dot products of the normals of two different facets.
+_NORMAL_PAIRS = [4 * i + j for i, j in _WINGS]
+#: Nearest numbers beside the values that flags tell from: of an h/R above 0, of an angle below 90 degrees.
+_POSITIVE, _ACUTE = np.finfo(np.float64).tiny, np.nextafter(90.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +79,9 @@ class Quality:
     max_dihedral_angle: Floats  #: (m,) largest; below 90 iff acute
     radius_over_edge: Floats  #: (m,) circumradius over shortest edge, at least sqrt(3/8)
     volume: Floats  #: (m,) in the mesh's own unit, cubed
-    well_centered_3: Bools  #: (m,) contains its circumcenter, beyond doubt (see the module's bounds)
-    well_centered_2: Bools  #: (m,) every face angle acute, beyond doubt
-    acute: Bools  #: (m,) every dihedral angle acute, beyond doubt; implies 2WC (but not 3WC)
+    well_centered_3: Bools  #: (m,) contains its circumcenter, strictly and exactly
+    well_centered_2: Bools  #: (m,) every face angle acute, exactly
+    acute: Bools  #: (m,) every dihedral angle acute, exactly; implies 2WC (but not 3WC)
 
     @property
     def completely_well_centered(self) -> Bools:
@@ -341,10 +349,12 @@ def measure(mesh: TetMesh) -> Quality:
             floats[4:6, part] = _extremes(list(zip(dihedrals, sines, strict=True)))
             floats[6, part] = shapes.radius() / shapes.shortest()
             floats[7, part] = np.ldexp(shapes.det / 6.0, 3 * exponent)
-            flags[0, part] = _all_above(shapes.heights(), shapes.height_bounds())
-            flags[2, part] = _all_above(dihedrals, shapes.dihedral_bounds())
-            # Acute implies 2WC, also where the face angles alone are too close to call.
-            flags[1, part] = _all_above(faces, shapes.face_bounds()) | flags[2, part]
+            corners = mesh.points, mesh.tets[part]
+            flags[0, part] = _all_positive(shapes.heights(), shapes.height_bounds(), corners, _well_centered_3)
+            flags[1, part] = _all_positive(faces, shapes.face_bounds(), corners, _well_centered_2)
+            # Acute implies 2WC, so that only what is 2WC need be looked at.
+            flags[2, part] = _all_positive(dihedrals, shapes.dihedral_bounds(), corners, _acute, flags[1, part])
+    _keep_to_flags(floats, flags)
     floats.setflags(write=False)
     worst.setflags(write=False)
     flags.setflags(write=False)
@@ -374,11 +384,54 @@ def _heights(shapes: _Shapes, exponent: int) -> tuple[Floats, Floats]:
     return _restore(rows, _HEIGHT_COLUMNS, shapes.base), _restore(bounds, _HEIGHT_COLUMNS, shapes.base)
 
 
-def _all_above(values: list[Floats], bounds: list[Floats]) -> Bools:
-    out = values[0] > bounds[0]
-    for value, bound in zip(values[1:], bounds[1:], strict=True):
-        out &= value > bound
-    return out
+def _all_positive(
+    values: list[Floats],
+    bounds: list[Floats],
+    mesh: tuple[Floats, Ints],
+    exactly: Callable[[Floats], Bools],
+    among: Bools | None = None,
+) -> Bools:
+    """Per tet (c,) whether all of its values are positive, False outside of ``among``.
+
+    What rounding leaves open is decided by ``exactly``, from the corners in the points and tets (c, 4) of ``mesh``.
+    """
+    points, tets = mesh
+    possible = np.ones(len(tets), dtype=bool) if among is None else among.copy()
+    surely = possible.copy()
+    for value, bound in zip(values, bounds, strict=True):
+        surely &= value > bound
+        possible &= value >= -bound
+    open_ = np.flatnonzero(possible & ~surely)
+    if len(open_):
+        surely[open_] = exactly(points[tets[open_]])
+    return surely
+
+
+def _well_centered_3(corners: Floats) -> Bools:
+    """(c,) for tets given by their corners (c, 4, 3), by exact signs."""
+    values = exact_signs(predicates.circumcenter, corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4))
+    inside: Bools = np.all(values.values > 0, axis=1)
+    return inside
+
+
+def _well_centered_2(corners: Floats) -> Bools:
+    cells = 4 * np.arange(len(corners))[:, None, None] + FACETS
+    values = exact_signs(predicates.corners, corners.reshape(-1, 3), cells.reshape(-1, 3)).values
+    acute: Bools = np.all(values.reshape(len(corners), -1) > 0, axis=1)
+    return acute
+
+
+def _acute(corners: Floats) -> Bools:
+    values = exact_signs(predicates.pulls, corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4)).values
+    acute: Bools = np.all(values[:, _NORMAL_PAIRS] < 0, axis=1)
+    return acute
+
+
+def _keep_to_flags(floats: Floats, flags: Bools) -> None:
+    """Put the smallest h/R and the largest angles of :func:`measure` on their flag's side, which rounding may miss."""
+    for row, flag in ((3, flags[1]), (5, flags[2])):
+        floats[row] = np.where(flag, np.minimum(floats[row], _ACUTE), np.maximum(floats[row], 90.0))
+    floats[0] = np.where(flags[0], np.maximum(floats[0], _POSITIVE), np.minimum(floats[0], 0.0))
 
 
 def _extremes(angles: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
