@@ -25,7 +25,7 @@ def repeat_where_lost() -> None:
             before(lost)
             return
         again = threading.Timer(_AGAIN, _thread.interrupt_main)
-        again.daemon = True
+        again.daemon = False  # it is awaited where the interpreter ends, and nothing of Python's runs on after that
         again.start()
 
     sys.unraisablehook = hear
