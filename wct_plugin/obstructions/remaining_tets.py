@@ -18,6 +18,8 @@ from wct_plugin.types import Bools
 CLASSES = ("interior", "patch", "crease", "corner")
 #: What tets miss where the goal is one of the whole mesh.
 _TIER = {"delaunay": "Delaunay", "one-sided": "one-sided"}
+#: The same of other goals, by whether a tet is 3WC and 2WC.
+_MISSED = {(False, False): "3WC, 2WC", (False, True): "3WC", (True, False): "2WC", (True, True): ""}
 #: A patch that bends by less than this at a vertex, in degrees, is flat there.
 _FLAT = 0.1
 #: A crease is slight if it bends by at most this much more than the angle that makes it one, in degrees.
@@ -92,9 +94,18 @@ def list_remaining(
             proofs.setdefault(tet, reason)
     advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
     tets: list[RemainingTet] = []
-    for tet, stratum in zip(bad.tolist(), place.tolist(), strict=True):
-        holds_3, holds_2 = bool(measured.well_centered_3[tet]), bool(measured.well_centered_2[tet])
-        missed = [name for name, held in (("3WC", holds_3), ("2WC", holds_2)) if not held]
+    columns = (
+        place,
+        measured.well_centered_3[bad],
+        measured.well_centered_2[bad],
+        measured.min_height[bad],
+        measured.max_face_angle[bad],
+        mesh.points[mesh.tets[bad]].mean(axis=1),
+    )
+    # One tet at a time would take longer than all else after a stop early on.
+    for tet, stratum, holds_3, holds_2, height, angle, centroid in zip(
+        bad.tolist(), *(column.tolist() for column in columns), strict=True
+    ):
         proof = proofs.get(tet)
         if proof:
             option = proof.frees
@@ -106,10 +117,10 @@ def list_remaining(
             {
                 "tet": tet,
                 "place": CLASSES[stratum],
-                "misses": _TIER[goal] if dual else ", ".join(missed),
-                "min_height": float(measured.min_height[tet]),
-                "max_face_angle": float(measured.max_face_angle[tet]),
-                "centroid": mesh.points[mesh.tets[tet]].mean(axis=0).tolist(),
+                "misses": _TIER[goal] if dual else _MISSED[holds_3, holds_2],
+                "min_height": height,
+                "max_face_angle": angle,
+                "centroid": centroid,
                 "option": option + (", or goal=3wc" if holds_3 and not dual else ""),
                 "proof": str(proof) if proof else "",
             }
