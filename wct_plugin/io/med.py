@@ -21,6 +21,8 @@ KINDS = {
     "H20": "hexahedron20", "H27": "hexahedron27", "OCT": "octahedron",
 }  # fmt: skip
 _POLYGONS, _POLYHEDRA = ("POG", "PG2"), "POE"
+#: Number of a family that there can be: arrays hold it in 64 bits, with a sign.
+_LARGEST = 2**63 - 1
 
 
 def read(path: Path) -> tuple[RawMesh, list[str]]:
@@ -77,9 +79,7 @@ def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
             blocks = [(KINDS[name], nodes, slice(None))]
         else:
             raise InputError(f"has cells of MED's kind {name!r}; allowed are {', '.join(KINDS)}")
-        family = hdf5.array(group, "FAM") if "FAM" in group else None
-        if family is not None and family.ndim != 1:
-            raise InputError(f"has families of shape {family.shape} for cells of kind {name!r}; expected one of each")
+        family = _families(group, f"cells of kind {name!r}") if "FAM" in group else None
         for kind, cells, rows in blocks:
             raw.cells.append(RawBlock(kind, in_med(kind, cells.astype(np.int64))))
             tags.append(None if family is None else family[rows])
@@ -90,6 +90,16 @@ def _cells(step: Any, dimension: int) -> tuple[RawMesh, list[str]]:
             for block, column in zip(raw.cells, tags, strict=True)
         ]
     return raw, names
+
+
+def _families(group: Any, what: str) -> NDArray[Any]:
+    """The number of the family of each."""
+    family: NDArray[Any] = hdf5.array(group, "FAM")
+    if family.ndim != 1:
+        raise InputError(f"has families of shape {family.shape} for {what}; expected one of each")
+    if family.size and family.dtype.kind == "u" and family.max() > _LARGEST:
+        raise InputError(f"has {family.max()} as the family of {what}; allowed is up to {_LARGEST}")
+    return family
 
 
 def _open_cells(name: str, group: Any) -> list[tuple[str, NDArray[Any], Any]]:
@@ -110,7 +120,7 @@ def _open_cells(name: str, group: Any) -> list[tuple[str, NDArray[Any], Any]]:
 def _point_groups(raw: RawMesh, points: Any, families: dict[int, Family]) -> None:
     if "FAM" not in points:
         return
-    numbers = hdf5.array(points, "FAM")
+    numbers = _families(points, "points")
     if not set(np.unique(numbers).tolist()) <= {0, *(number for number, one in families.items() if one.groups)}:
         raw.point_data["point_tags"] = numbers  # no group says it
     for name in dict.fromkeys(name for one in families.values() for name in one.groups):
