@@ -53,7 +53,7 @@ struct Pinned {
 };
 
 nb::object refill(nb::handle mesh, const Array &sides, const std::optional<Array> &size, bool cosines,
-                  std::uint64_t seed, const nb::object &progress, unsigned threads) {
+                  std::uint64_t seed, const nb::object &progress, const nb::object &expected, unsigned threads) {
     const Pinned given(mesh, sides);
     const std::vector<double> wanted = wanted_of(size, given.mesh);
     refill::RefillOptions options;
@@ -64,6 +64,8 @@ nb::object refill(nb::handle mesh, const Array &sides, const std::optional<Array
         options.seeds.edge_per_cell = sampling::SeedForm{}.edge_per_cell;
         options.most = std::numeric_limits<double>::infinity();
     }
+    if (size && !expected.is_none()) // else there are no more than so many
+        options.expected = [&](double tets) { return goes_on(expected, tets); };
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     refill::Refilled interior;
     {
@@ -93,11 +95,13 @@ nb::object conform_inside(nb::handle mesh, const Array &sides, nb::handle asked,
 
 void bind_refill(nb::module_ &m) {
     m.def("refill", &refill, nb::arg("mesh"), nb::arg("sides"), nb::kw_only(), nb::arg("size") = nb::none(),
-          nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
+          nb::arg("cosines") = true, nb::arg("seed") = 1, nb::arg("progress") = nb::none(),
+          nb::arg("expected") = nb::none(), nb::arg("threads") = 0,
           nb::sig("def refill(mesh: wct_plugin.core.domain.StratifiedMesh,"
                   " sides: numpy.typing.NDArray[numpy.int64], *,"
                   " size: numpy.typing.NDArray[numpy.float64] | None = None, cosines: bool = True, seed: int = 1,"
                   " progress: collections.abc.Callable[[float, int], typing.Any] | None = None,"
+                  " expected: collections.abc.Callable[[float], typing.Any] | None = None,"
                   " threads: int = 0) -> wct_plugin.core.results.RefillResult"),
           R"(Fill a mesh anew between its surface facets, which stay, as do its creases and all points of its surface.
 
@@ -111,6 +115,8 @@ size
     (n,) wanted edge length per point; without it the new mesh has up to twice the tets.
 cosines
     Triangles are to be acute, too.
+expected
+    As of resample; it is called where there are wanted lengths.
 seed, progress, threads
     As of resample.
 

@@ -3,6 +3,7 @@
 #include "sampling/cloud.h"
 #include "sampling/cloud_descent.h"
 #include "sampling/odt_relaxation.h"
+#include "sampling/tet_estimate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,8 @@ sampling::Cloud seeds(const PinnedFacets &facets, const domain::Reference &refer
     for (const int v : facets.points())
         cloud.add(mesh.points[v], Stratum::corner, v, sizing.at(mesh.points[v]));
     sampling::seed_inside(cloud, reference, map, sizing, form, {}, random, monitor);
+    if (monitor.stopped())
+        return cloud;
     std::vector<char> open(cloud.count(), 1);
     for (std::size_t i = facets.points().size(); i < cloud.count(); ++i) {
         const domain::Place place = map.find(cloud.points[i]);
@@ -50,7 +53,8 @@ struct Filling {
     sampling::RestrictedDelaunay complex{};
 };
 
-/// Seed points, fewer and fewer until there are not too many tets, and triangulate them; false if a facet is missing.
+/// Seed points, fewer and fewer until there are not too many tets, and triangulate them; false if a facet is missing,
+/// too many tets are expected, or it was stopped.
 bool seed(Filling &fill, std::span<const double> wanted) {
     constexpr int tries = 5;
     constexpr double spare = 1.02; // sizes grow by so much more than the number of tets asks for
@@ -62,8 +66,13 @@ bool seed(Filling &fill, std::span<const double> wanted) {
     sizes.coarsen = options.size;
     for (int k = 0; k < tries; ++k) {
         fill.sizing.emplace(fill.reference, fill.mesh, fill.map, sizes, wanted, fill.workers);
+        if (k == 0 && options.expected &&
+            !options.expected(sampling::estimate_tets(fill.reference, fill.mesh, *fill.sizing, fill.workers)))
+            return false;
         fill.cloud =
             seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random, fill.monitor);
+        if (fill.monitor.stopped())
+            return false;
         fill.keeper.clear(fill.cloud);
         if (!fill.keeper.triangulate(fill.cloud, fill.complex))
             return false;

@@ -10,6 +10,7 @@
 #include "sampling/seeds.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct RefillOptions {
     sampling::SeedForm seeds{.edge_per_cell = 1.2, .interface_depth = sampling::SeedForm::least_depth};
     bool cosines = true;
     std::uint64_t seed = 1;
+    /// Hears about how many tets there will be, before any is made; false: none is.
+    std::function<bool(double tets)> expected;
 
     static constexpr int sweeps = 25; // of relaxation
     static constexpr double step = 0.7;

@@ -172,3 +172,14 @@ def test_arguments_of_no_use_are_refused(change, message):
         _core.refill(replace(start, **change), own.sides)
     with pytest.raises(ValueError, match="size has length 1"):
         _core.refill(start, own.sides, size=np.array([1.0]))
+
+
+def test_how_many_tets_there_will_be_is_asked_where_lengths_are_wanted():
+    mesh, heard = kuhn_cube(4), []
+    size = np.full(len(mesh.points), 0.1)
+    found = refill(mesh, size=size, expected=lambda tets: heard.append(tets) or True)
+    assert len(heard) == 1
+    assert 0.5 < heard[0] / len(found.tets) < 2.0
+    assert len(refill(mesh, size=size / 100.0, expected=lambda _: False).tets) == 0  # some 10 billion tets
+    refill(mesh, expected=lambda tets: heard.append(tets) or True)
+    assert len(heard) == 1  # no more than twice those of the mesh

@@ -237,7 +237,13 @@ def _own_start(
     if moves or listen.stopped:
         return start
     refilled = search_mesh.refill(
-        start, own.sides, size, acute=options.goal == "cwc", seed=options.seed + 1, progress=listen.resample
+        start,
+        own.sides,
+        size,
+        acute=options.goal == "cwc",
+        seed=options.seed + 1,
+        progress=listen.resample,
+        expected=limit.expect,
     )
     if refilled is None or listen.stopped or not limit.takes(len(refilled.tets)):
         return start

@@ -50,12 +50,13 @@ def refill(
     acute: bool,
     seed: int,
     progress: Callable[[float, int], Any],
+    expected: Callable[[float], Any],
 ) -> StratifiedMesh | None:
     """The inside of a pinned start filled anew between its surface facets, or None where these leave no choice.
 
     ``sides`` as of :class:`Reference`, the others as of :func:`wct_plugin.core._core.refill`.
     """
-    found = _core.refill(start, sides, size=size, cosines=acute, seed=seed, progress=progress)
+    found = _core.refill(start, sides, size=size, cosines=acute, seed=seed, progress=progress, expected=expected)
     return _filled(start, found)
 
 
