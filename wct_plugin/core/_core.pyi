@@ -196,7 +196,7 @@ def conform(mesh: wct_plugin.core.domain.StratifiedMesh, sides: numpy.typing.NDA
         Where an array has a wrong type, shape or index, or an option a value that is not allowed.
     """
 
-def refill(mesh: wct_plugin.core.domain.StratifiedMesh, sides: numpy.typing.NDArray[numpy.int64], *, size: numpy.typing.NDArray[numpy.float64] | None = None, cosines: bool = True, seed: int = 1, progress: Callable[[float, int], Any] | None = None, threads: int = 0) -> wct_plugin.core.results.RefillResult:
+def refill(mesh: wct_plugin.core.domain.StratifiedMesh, sides: numpy.typing.NDArray[numpy.int64], *, size: numpy.typing.NDArray[numpy.float64] | None = None, cosines: bool = True, seed: int = 1, progress: Callable[[float, int], Any] | None = None, expected: Callable[[float], Any] | None = None, threads: int = 0) -> wct_plugin.core.results.RefillResult:
     """
     Fill a mesh anew between its surface facets, which stay, as do its creases and all points of its surface.
 
@@ -210,6 +210,8 @@ def refill(mesh: wct_plugin.core.domain.StratifiedMesh, sides: numpy.typing.NDAr
         (n,) wanted edge length per point; without it the new mesh has up to twice the tets.
     cosines
         Triangles are to be acute, too.
+    expected
+        As of resample; it is called where there are wanted lengths.
     seed, progress, threads
         As of resample.
 
