@@ -94,7 +94,10 @@ bool ConformingCloud::insert_on_patch(const Vec3 &p, int patch, double size, dou
     if (hit < segments_.size())
         return split(hit);
     const domain::Foot foot = reference_.nearest(p, patch);
-    return apart >= kLeast * size && put(foot.point, Stratum::patch, patch, size, apart);
+    Vec3 on = foot.point;
+    if (reference_.planar(patch)) // the point nearest to a triangle is off its plane by a rounding
+        reference_.to_patch(on, foot);
+    return apart >= kLeast * size && put(on, Stratum::patch, patch, size, apart);
 }
 
 bool ConformingCloud::insert_inside(const Vec3 &p, int region, double size, double apart) {

@@ -40,7 +40,10 @@ def _runs(case: dict[str, Any], folder: Path, capsys: pytest.CaptureFixture[str]
     assert main.run(case["command"]) == case["exit"]
     printed = "".join(capsys.readouterr())
     assert said.faults_of_output(printed) == []
-    _as_good(folder / case["mesh"], folder / case["out"], printed)
+    old, new = folder / case["mesh"], folder / case["out"]
+    _as_good(old, new, printed)
+    if case.get("planes"):
+        assert result.faults_of_planes(result.load(old), result.load(new)) == []
 
 
 def _as_good(before: Path, after: Path, printed: str) -> None:
