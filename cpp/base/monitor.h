@@ -33,9 +33,13 @@ class Monitor {
     /// Tell the listener now.
     void report(double done) {
         reported_ = evaluations_;
+        done_ = done;
         if (!stopped_ && listener_ && !listener_(done, bad_))
             stopped_ = true;
     }
+
+    /// Let the listener stop what takes long, of which it is not known how much is done.
+    void ask() { report(done_); }
 
     void iterate() { ++iterations_; }
     void set_bad(std::int64_t bad) { bad_ = bad; }
@@ -50,6 +54,7 @@ class Monitor {
     Listener listener_;
     double base_ = 0.0;
     double share_ = 0.0;
+    double done_ = 0.0; // as was told last
     std::int64_t bad_ = 0;
     std::int64_t evaluations_ = 0;
     std::int64_t reported_ = 0;

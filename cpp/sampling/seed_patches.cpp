@@ -202,7 +202,7 @@ void seed_patches(Cloud &cloud, const domain::Reference &reference, const domain
     int thrown = 0;
     for (Dart &dart : DartThrower(reference, sizing, renewal, random).darts()) {
         if (++thrown % hear == 0)
-            monitor.report(0.0);
+            monitor.ask();
         if (monitor.stopped())
             return;
         if (grid.crowded(dart.point, surely * form.patch_spacing * dart.size))

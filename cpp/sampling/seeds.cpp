@@ -73,7 +73,7 @@ class LatticeLevel {
             return;
         }
         if (++blocks_ % kHear == 0)
-            monitor_.report(0.0);
+            monitor_.ask();
         int hint = foot.triangle;
         for (std::int64_t a = i; a < i + side; ++a)
             for (std::int64_t b = j; b < j + side; ++b)

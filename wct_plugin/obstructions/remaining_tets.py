@@ -1,6 +1,7 @@
 """The tets that miss the goal: where each sits, what it misses, and which option would free it."""
 
 from collections import Counter
+from collections.abc import Iterator
 from typing import TypedDict
 
 import numpy as np
@@ -12,7 +13,7 @@ from wct_plugin.mesh.strata import Strata
 from wct_plugin.mesh.triangle_surfaces import bends
 from wct_plugin.obstructions import RECONNECT, Boundary, Connectivity, Goal, Reason, find_reasons
 from wct_plugin.obstructions.reason import name
-from wct_plugin.types import Bools
+from wct_plugin.types import Bools, Ints
 
 #: Class of a tet, by the highest stratum among its vertices.
 CLASSES = ("interior", "patch", "crease", "corner")
@@ -94,18 +95,7 @@ def list_remaining(
             proofs.setdefault(tet, reason)
     advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
     tets: list[RemainingTet] = []
-    columns = (
-        place,
-        measured.well_centered_3[bad],
-        measured.well_centered_2[bad],
-        measured.min_height[bad],
-        measured.max_face_angle[bad],
-        mesh.points[mesh.tets[bad]].mean(axis=1),
-    )
-    # One tet at a time would take longer than all else after a stop early on.
-    for tet, stratum, holds_3, holds_2, height, angle, centroid in zip(
-        bad.tolist(), *(column.tolist() for column in columns), strict=True
-    ):
+    for tet, stratum, holds_3, holds_2, height, angle, centroid in _columns(mesh, measured, bad, place):
         proof = proofs.get(tet)
         if proof:
             option = proof.frees
@@ -133,6 +123,22 @@ def list_remaining(
         "reasons": _kinds_of_reasons(why),
         "tets": tets,
     }
+
+
+def _columns(
+    mesh: TetMesh, measured: Quality, bad: Ints, place: Ints
+) -> Iterator[tuple[int, int, bool, bool, float, float, list[float]]]:
+    """What is known of each: one tet at a time would take longer than all else after a stop early on."""
+    columns = (
+        bad,
+        place,
+        measured.well_centered_3[bad],
+        measured.well_centered_2[bad],
+        measured.min_height[bad],
+        measured.max_face_angle[bad],
+        mesh.points[mesh.tets[bad]].mean(axis=1),
+    )
+    return zip(*(column.tolist() for column in columns), strict=True)
 
 
 def _kinds_of_reasons(found: list[Reason]) -> list[ReasonKind]:

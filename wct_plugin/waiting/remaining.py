@@ -34,7 +34,6 @@ class Remaining:
     _searching: float | None = None  #: when the first search began
     _kicks: "_Decline | None" = None
     _starts: int = field(default=0)
-    _made: float = field(default=0.0)  #: how much of the start is, at most: what is between says 0
 
     def hear(self, state: Progress, now: float) -> None:
         """Hear where it stands."""
@@ -43,9 +42,6 @@ class Remaining:
         phase = state.stage
         if phase == "resampling" and before != phase:
             self._starts += 1
-            self._made = 0.0
-        if phase == "resampling":
-            self._made = max(self._made, state.done)
         if phase.startswith("local search") and self._searching is None:
             self._searching = now
         if phase != "local search: kicks":
@@ -71,7 +67,7 @@ class Remaining:
         if state.stage == "resampling" and self._starts > 1:
             return _AGAIN * gone
         if self._searching is None:
-            return None if state.expected is None else max(_of_start(self._made, state.expected, gone) - gone, last)
+            return None if state.expected is None else max(_of_start(state.done, state.expected, gone) - gone, last)
         if state.stage == "local search: passes":
             left = (state.bad or 0) * math.pow(_SWEPT, 1.0 - state.done)
             return last + _PER_BAD * self._slowness(state) * left
