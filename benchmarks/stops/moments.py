@@ -40,19 +40,18 @@ def run(name: str, count: int) -> Found:
         whole = time.monotonic() - start
         for kind, signals in _KINDS.items():
             for k in range(count):
+                after = (k + 0.5) / count * whole
                 place = Path(folder) / f"{kind}{k}"
                 _prepare(place)
                 inputs = {path.name for path in place.iterdir()}
-                code, text, seconds = _stopped(COMMANDS[name], place, (k + 0.5) / count * whole, signals)
+                code, text, seconds = _stopped(COMMANDS[name], place, after, signals)
                 found.stops["moments"] += 1
                 found.codes[f"{kind}: {code}"] += 1
                 found.waited = max(found.waited, seconds)
                 faults = _faults(name, code, text, place, inputs)
-                if (
-                    name == "batch" and len(signals) > 1
-                ):  # one that ends its tidying up leaves a folder to the next batch
+                if name == "batch" and len(signals) > 1:  # a second one while it tidies up: the next batch does that
                     faults = [fault for fault in faults if fault != ".wct-batch is left"]
-                found.faults += [f"{kind} at {(k + 0.5) / count * whole:.2f} s: {fault}" for fault in faults]
+                found.faults += [f"{kind} at {after:.2f} s: {fault}" for fault in faults]
     return found
 
 

@@ -20,6 +20,8 @@ SIGNALS = {"SIGINT": (2,), "SIGTERM": (15,), "SIGINT, SIGTERM": (2, 15), "SIGTER
 #: CPU seconds in which these small runs must end once they were asked to: two measurements, reports, files, and the
 #: import of what draws them.
 _SOON = 8.0
+#: The boundary's tolerance where it is the sag of the facets that there are.
+_SAG = {"delaunay": 0.05, "one-sided": 0.05}
 
 
 class StoppedError(Exception):
@@ -31,14 +33,8 @@ def _prepare(case: Case, folder: Path) -> Promise:
     behind = (points[tets].mean(axis=1) @ [1.0, 0.3, 0.1]) > np.median(points @ [1.0, 0.3, 0.1])
     made = Made("", points, tets, 1 + behind.astype(np.int64) if case.regions else np.ones(len(tets), dtype=np.int64))
     made.write(folder / "in.vtu")
-    tolerance = case.options.get("tolerance", 1e-3)
-    if case.name in _SAG:
-        tolerance = _SAG[case.name]
+    tolerance = _SAG.get(case.name, case.options.get("tolerance", 1e-3))
     return Promise(load(folder / "in.vtu"), case.options["goal"], tolerance)
-
-
-#: The boundary's tolerance where it is the sag of the facets that there are.
-_SAG: dict[str, float] = {"delaunay": 0.05, "one-sided": 0.05}
 
 
 def _slow(ended: Ended) -> list[str]:

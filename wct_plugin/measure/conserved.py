@@ -9,6 +9,7 @@ from wct_plugin.measure.fidelity import interface_rows
 from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.mesh import Cells, TetMesh, unit_scaling
 from wct_plugin.mesh.index_arrays import masks
+from wct_plugin.mesh.named_groups import tag_names
 from wct_plugin.mesh.triangle_surfaces import areas, bends
 from wct_plugin.types import Bools, Floats, Ints
 
@@ -28,8 +29,7 @@ class Sharp(TypedDict):
 
 def group_names(mesh: TetMesh, cells: Cells) -> dict[str, Bools]:
     """The groups of tagged cells, by tag (under its name, where it has one) and by set, as masks (k,)."""
-    dimension = cells.vertices.shape[1] - 1
-    named = {tag: name for name, (tag, of) in mesh.names.items() if of == dimension}
+    named = tag_names(mesh.names, cells.vertices.shape[1] - 1)
     out: dict[str, Bools] = {}
     for tag in np.unique(cells.tags):
         if tag != 0 or not cells.sets:

@@ -9,6 +9,7 @@ from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.mesh.named_groups import tag_names
 from wct_plugin.types import Ints
 
 
@@ -42,7 +43,7 @@ def measure_fidelity(
 
 def region_names(mesh: TetMesh) -> dict[str, str]:
     """What the mesh calls its regions, by their tags."""
-    return {str(tag): name for name, (tag, dimension) in mesh.names.items() if dimension == 3}
+    return {str(tag): name for tag, name in tag_names(mesh.names, 3).items()}
 
 
 def label(tags: str, names: Mapping[str, str]) -> str:

@@ -40,6 +40,11 @@ def _numbers(rows: Ints, named: Mapping[str, int]) -> Ints:
     return numbers
 
 
+def tag_names(names: Mapping[str, tuple[int, int]], dimension: int) -> dict[int, str]:
+    """The name of each tag of cells of that ``dimension`` that has one."""
+    return {tag: name for name, (tag, of) in names.items() if of == dimension}
+
+
 def names_of(
     tags: Ints, names: Mapping[str, tuple[int, int]], dimension: int, sets: Mapping[str, Ints]
 ) -> dict[str, Ints]:
