@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -53,6 +54,33 @@ struct Filling {
     sampling::RestrictedDelaunay complex{};
 };
 
+/// How many times the tets that there may be.
+double share_of(const Filling &fill, double tets) {
+    return tets / (fill.options.most * static_cast<double>(fill.mesh.tets.size()));
+}
+
+/// Ask for sizes, larger and larger until about as many tets are to be expected as a lattice may be laid for. False if
+/// whoever hears of them wants none, or if surfaces so close together ask for so many that larger sizes elsewhere do
+/// not help.
+bool choose_sizes(Filling &fill, domain::SizingForm &sizes, std::span<const double> wanted) {
+    constexpr double laid = 4.0; // a lattice for so many times the tets that there may be is laid and counted: more is
+                                 // work thrown away, and less is not known so well before
+    constexpr double gain = 0.7; // of the tets that are left after a step which helps
+    for (double before = std::numeric_limits<double>::infinity();;) {
+        fill.sizing.emplace(fill.reference, fill.mesh, fill.map, sizes, wanted, fill.workers);
+        const double tets = sampling::estimate_tets(fill.reference, fill.mesh, *fill.sizing, fill.workers);
+        if (std::isinf(before) && fill.options.expected && !fill.options.expected(tets))
+            return false;
+        const double share = share_of(fill, tets);
+        if (share <= laid)
+            return true;
+        if (share > gain * before)
+            return false;
+        before = share;
+        sizes.coarsen *= std::cbrt(share);
+    }
+}
+
 /// Seed points, fewer and fewer until there are not too many tets, and triangulate them; false if a facet is missing,
 /// too many tets are expected, or it was stopped.
 bool seed(Filling &fill, std::span<const double> wanted) {
@@ -64,11 +92,9 @@ bool seed(Filling &fill, std::span<const double> wanted) {
     sizes.tolerance = sizes.thickness = 1e100; // the surface does not change: neither bend nor thickness matters,
     sizes.sharp = false;                       // nor how sharp its edges are
     sizes.coarsen = options.size;
+    if (!choose_sizes(fill, sizes, wanted))
+        return false;
     for (int k = 0; k < tries; ++k) {
-        fill.sizing.emplace(fill.reference, fill.mesh, fill.map, sizes, wanted, fill.workers);
-        if (k == 0 && options.expected &&
-            !options.expected(sampling::estimate_tets(fill.reference, fill.mesh, *fill.sizing, fill.workers)))
-            return false;
         fill.cloud =
             seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random, fill.monitor);
         if (fill.monitor.stopped())
@@ -76,11 +102,11 @@ bool seed(Filling &fill, std::span<const double> wanted) {
         fill.keeper.clear(fill.cloud);
         if (!fill.keeper.triangulate(fill.cloud, fill.complex))
             return false;
-        const double share = static_cast<double>(tets_of(fill.complex) + fill.facets.kept()) /
-                             (options.most * static_cast<double>(fill.mesh.tets.size()));
+        const double share = share_of(fill, static_cast<double>(tets_of(fill.complex) + fill.facets.kept()));
         if (share <= 1.0)
             break;
         sizes.coarsen *= spare * std::cbrt(share);
+        fill.sizing.emplace(fill.reference, fill.mesh, fill.map, sizes, wanted, fill.workers);
     }
     return true;
 }

@@ -16,7 +16,7 @@ namespace {
 /// Over a piece of a simplex sizes are taken to be as in its middle. It is no longer than so many sizes there, or than
 /// a share of the domain: more would take long where there are so many tets that a rough number does.
 constexpr double kPiece = 2.0;
-constexpr double kShortest = 0.01;
+constexpr double kShortest = 0.03;
 
 /// Call take(middle, size there, content) for the pieces of a simplex of so much content, halved at its longest edge.
 template <std::size_t corners, class Take>
