@@ -2,10 +2,13 @@
 
 ``python tests/cpp/mutate.py --count 200 --seed 1`` builds a copy of the core with WCT_CHECKS in build/mutants, changes
 one place of it at a time, and writes build/mutants/table.md: what was changed where, and the test that noticed. A
-change that does not compile is drawn again. It takes about half a minute for each on an idle core.
+change that does not compile is drawn again. What no test notices is run under the sanitizers at the end. It takes about
+half a minute for each on an idle core; what was seen is kept, and a run with the same seed and sources goes on there.
 """
 
 import argparse
+import hashlib
+import json
 import random
 import re
 import resource
@@ -134,7 +137,8 @@ def verdict(timeout: float, tests: str = "", folder: Path = BUILD) -> str:
 
 def prepare() -> float:
     """A copy that passes; the seconds that its tests take."""
-    shutil.rmtree(WORK, ignore_errors=True)  # a copy that was left changed would not be compiled again
+    for folder in (SOURCE, *FLAGS):
+        shutil.rmtree(folder, ignore_errors=True)  # a copy that was left changed would not be compiled again
     for folder in ("cpp", "tests/cpp"):
         shutil.copytree(ROOT / folder, SOURCE / folder)
     shutil.copy(ROOT / "CMakeLists.txt", SOURCE)
@@ -155,6 +159,54 @@ def prepare() -> float:
     return time.monotonic() - began
 
 
+class Seen:
+    """What is known of the changes drawn, kept in a file from run to run as long as sources and tests are the same."""
+
+    def __init__(self, seed: int, drawn: list[Change]) -> None:
+        sources = sorted((SOURCE / "cpp").rglob("*.[ch]*")) + sorted((SOURCE / "tests" / "cpp").rglob("*.[ch]*"))
+        digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]
+        self._file = WORK / f"seen_{seed}_{digest}.json"
+        self._seed, self._drawn = seed, drawn
+        #: By the number of the change: the test that notices; "": none does; None: it does not compile.
+        self.noticed: dict[int, str | None] = {}
+        if self._file.exists():
+            self.noticed = {int(k): test for k, test in json.loads(self._file.read_text(encoding="utf-8")).items()}
+
+    def add(self, k: int, test: str | None) -> None:
+        self.noticed[k] = test
+        self._file.write_text(json.dumps(self.noticed), encoding="utf-8")
+        self._write_table()
+
+    def compiled(self) -> list[int]:
+        return [k for k, test in self.noticed.items() if test is not None]
+
+    def _write_table(self) -> None:
+        rows = []
+        for k in self.compiled():
+            change = self._drawn[k]
+            place = f"{change.path.relative_to(SOURCE)}:{change.line + 1}"
+            lines = change.path.read_text(encoding="utf-8").split("\n")
+            rows.append(f"| {place} | {change.described(lines)} | {self.noticed[k] or '**survives**'} |")
+        killed = sum(bool(self.noticed[k]) for k in self.compiled())
+        head = f"{killed} of {len(rows)} changes are noticed (seed {self._seed}, {len(self._drawn)} places).\n\n"
+        table = head + "| place | change | noticed by |\n|---|---|---|\n" + "\n".join(rows) + "\n"
+        (WORK / "table.md").write_text(table, encoding="utf-8")
+
+
+def tried(change: Change, seconds: float, *, sanitized: bool) -> str | None:
+    """The test that notices a change, "" where none does, None where it does not compile."""
+    original = change.path.read_text(encoding="utf-8")
+    change.path.write_text(change.applied(original.split("\n")), encoding="utf-8")
+    beside = change.path.parent.name  # tests that notice most
+    longest = 60.0 + 6.0 * seconds
+    try:
+        if sanitized:
+            return verdict(4.0 * longest, beside, SANITIZED) if build(SANITIZED) else None
+        return (verdict(longest, beside) or verdict(longest)) if build() else None
+    finally:
+        change.path.write_text(original, encoding="utf-8")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--count", type=int, default=200, help="changes that compile")
@@ -164,32 +216,16 @@ def main() -> None:
     files = [*sorted((SOURCE / "cpp" / "search").glob("*.cpp")), SOURCE / "cpp" / "geometry" / "predicates.cpp"]
     drawn = [change for path in files if path.name != "checks.cpp" for change in changes_of(path)]
     random.Random(asked.seed).shuffle(drawn)
-    rows: list[str] = []
-    killed = 0
-    for change in drawn:
-        if len(rows) == asked.count:
+    seen = Seen(asked.seed, drawn)
+    for k, change in enumerate(drawn):
+        if len(seen.compiled()) >= asked.count:
             break
-        original = change.path.read_text(encoding="utf-8")
-        lines = original.split("\n")
-        change.path.write_text(change.applied(lines), encoding="utf-8")
-        try:
-            if not build():
-                continue
-            longest = 60.0 + 6.0 * seconds
-            beside = change.path.parent.name  # tests that notice most
-            noticed = verdict(longest, beside) or verdict(longest)
-            if not noticed and build(SANITIZED):
-                noticed = verdict(4.0 * longest, beside, SANITIZED)
-        finally:
-            change.path.write_text(original, encoding="utf-8")
-        killed += bool(noticed)
-        place = f"{change.path.relative_to(SOURCE)}:{change.line + 1}"
-        rows.append(f"| {place} | {change.described(lines)} | {noticed or '**survives**'} |")
-        head = f"{killed} of {len(rows)} changes are noticed (seed {asked.seed}, {len(drawn)} places).\n\n"
-        table = head + "| place | change | noticed by |\n|---|---|---|\n" + "\n".join(rows) + "\n"
-        (WORK / "table.md").write_text(table, encoding="utf-8")
-        sys.stderr.write(rows[-1] + "\n")
-    sys.stderr.write(f"{killed} of {len(rows)} noticed: {WORK / 'table.md'}\n")
+        if k not in seen.noticed:
+            seen.add(k, tried(change, seconds, sanitized=False))
+            sys.stderr.write(f"{len(seen.compiled())}: {seen.noticed[k]}\n")
+    for k in [k for k in seen.compiled() if not seen.noticed[k]]:
+        seen.add(k, tried(drawn[k], seconds, sanitized=True))
+    sys.stderr.write((WORK / "table.md").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

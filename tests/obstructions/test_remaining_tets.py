@@ -56,6 +56,7 @@ def test_nothing_is_left_of_a_regular_tet():
         "by_place": dict.fromkeys(CLASSES, 0),
         "proven": 0,
         "reasons": [],
+        "kinds": [],
         "tets": [],
     }
 

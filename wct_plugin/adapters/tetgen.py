@@ -342,7 +342,7 @@ def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
     facets = Cells(mesh.facets.vertices, tags)
     if not tags.any():  # then those are left out that say nothing the tets do not say
         facets = facets.select(~outside & ~_among(facets.vertices, mesh.topology.interfaces, len(mesh.points)))
-    return replace(mesh, facets=facets, reference=reference)
+    return mesh.altered(facets=facets, reference=reference)
 
 
 def _among(triangles: Ints, others: Ints, count: int) -> NDArray[np.bool_]:

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import PurePath
 from typing import Any
 
@@ -40,7 +39,7 @@ def _read(source: str, reference: SurfaceMesh | None, **how: Any) -> TetMesh | S
         raise OptionError(
             f"{source}: report needs a tet mesh, here is a surface; 'wct optimize {source} OUT' fills it first"
         )
-    return mesh if reference is None else replace(mesh, reference=reference)
+    return mesh if reference is None else mesh.altered(reference=reference)
 
 
 def _surface(source: str) -> SurfaceMesh:

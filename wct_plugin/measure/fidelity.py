@@ -103,7 +103,8 @@ def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
 
 
 def _volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Quantity]:
-    of_old, of_new = (quality.volumes(mesh.points, mesh.tets) for mesh in (old, new))
+    of_old = quality.volumes(old.points, old.tets)
+    of_new = of_old if new is old else quality.volumes(new.points, new.tets)
     out: dict[str, Quantity] = {}
     for tag in np.unique(old.regions):
         before = enclosed.get(str(tag), float(of_old[old.regions == tag].sum()))

@@ -5,7 +5,7 @@ Arrays are float64 / int64, native byte order, C-contiguous and read-only; a mes
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -235,6 +235,16 @@ class TetMesh(Pickled, Shown):
     def topology(self) -> Topology:
         """Boundary, interfaces, adjacency, edges and components, each derived when first asked for."""
         return Topology(self.tets, self.regions, len(self.points))
+
+    def altered(self, **fields: Any) -> "TetMesh":
+        """As by :func:`dataclasses.replace`, for other fields than tets and regions: the topology is not derived again.
+
+        New points under which tets turn over are those of another mesh, with a topology of its own.
+        """
+        out = replace(self, **fields)
+        if np.array_equal(out.tets, self.tets):
+            _set(out, "topology", self.topology)
+        return out
 
     @property
     def diagonal(self) -> float:

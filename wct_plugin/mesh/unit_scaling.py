@@ -48,8 +48,7 @@ def scaled(mesh: Scalable, by: int) -> Scalable:
     points = rescaled(mesh.points, by)
     if isinstance(mesh, SurfaceMesh):
         return replace(mesh, points=points)
-    return replace(
-        mesh,
+    return mesh.altered(
         points=points,
         reference=mesh.reference and scaled(mesh.reference, by),
         others=mesh.others and replace(mesh.others, points=rescaled(mesh.others.points, by)),

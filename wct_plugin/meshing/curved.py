@@ -45,7 +45,7 @@ def on_surface(mesh: TetMesh, goal: Literal["3wc", "cwc"], margin: float, crease
         wants &= (points != mesh.points).any(axis=1)
         if not wants.any():
             break
-        made = _inside_moved(replace(mesh, points=points), strata, goal, margin)
+        made = _inside_moved(mesh.altered(points=points), strata, goal, margin)
         bad = misses(made, quality.measure(made), goal)
         if bad.sum() <= before.sum():
             return made
@@ -85,7 +85,7 @@ def _inside_moved(mesh: TetMesh, strata: Strata, goal: Literal["3wc", "cwc"], ma
     """The mesh with vertices inside moved for the goal."""
     pinned = replace(strata, stratum=np.where(strata.stratum > 0, 3, 0).astype(np.int8))
     points, _ = _core.move_vertices(mesh.points, mesh.tets, pinned, goal=goal, margin=margin, effort=1)
-    return replace(mesh, points=points)
+    return mesh.altered(points=points)
 
 
 @dataclass(frozen=True)

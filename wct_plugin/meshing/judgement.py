@@ -86,11 +86,13 @@ def judge(
         boundaries.append((surface.points, surface.triangles))
     sides = _sides(old, new)
     sharp = measure_sharp(boundaries, (new.points, new.topology.boundary), asked.crease_angle)
+    before = measure_region_topology(old)
+    after = before if new is old else measure_region_topology(new)
     losses = find_losses(
         kept,
         groups,
         sharp,
-        (measure_region_topology(old), measure_region_topology(new)),
+        (before, after),
         found.work.get("released") or measure_none(own),
         sides if asked.pairs else None,
         allowed=allowed,
@@ -121,6 +123,6 @@ def judge(
 def _sides(old: TetMesh, new: TetMesh) -> dict[str, int] | None:
     """How many pairs of sides are translates of each other, other than by nothing; None where none was."""
     unit = unit_scaling.exponent(old.points)
-    found = [find_periodic(unit_scaling.scaled(one, -unit)) for one in (old, new)]
-    before, after = (sum(bool(pair.translation.any()) for pair in pairs) for pairs in found)
+    found = [find_periodic(unit_scaling.scaled(one, -unit)) for one in ([old] if new is old else [old, new])]
+    before, after = (sum(bool(pair.translation.any()) for pair in pairs) for pairs in (found[0], found[-1]))
     return {"before": before, "after": after} if before else None

@@ -108,7 +108,7 @@ def straightened_mesh(mesh: TetMesh, own: Reference, exact: float) -> tuple[TetM
     on, count = straightened(own, exact, mesh.nodes.vertices.ravel())
     if (_core.orientation(on.points, mesh.tets) <= 0).any():
         return mesh, own, {**count, "planes": 0, "axis": 0, "moved": 0.0}
-    return replace(mesh, points=on.points), on, count
+    return mesh.altered(points=on.points), on, count
 
 
 @dataclass(eq=False)

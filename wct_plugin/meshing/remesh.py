@@ -191,6 +191,8 @@ def _search(
         if fresh is not None:
             tried = search.run_finer(fresh, follow.surface, follow.within, lengths)
             return follow, _with_pairs(follow, search, tried)
+    if listen.stopped:
+        return follow, []
     follow = follow.on_own(options)
     start = _own_start(follow, options, wanted, listen, limit)
     if listen.stopped or not limit.takes(len(start.tets)):

@@ -93,7 +93,7 @@ def _tolerance_of_curved(mesh: TetMesh, options: WellCenterOptions, *, given: bo
     if options.tolerance is not None or of is None or not of.curved or given:
         return options.tolerance
     unit_scaling.check(mesh)
-    straight = unit_scaling.scaled(replace(mesh, reference=None), -unit_scaling.exponent(mesh.points))
+    straight = unit_scaling.scaled(mesh.altered(reference=None), -unit_scaling.exponent(mesh.points))
     return min(own_boundary(straight, options.crease_angle).auto_tolerance(), LARGEST_TOLERANCE)
 
 
@@ -173,7 +173,7 @@ class _Work:
     def whole(self, mesh: TetMesh, surface: SurfaceMesh | None) -> tuple[Reference, TetMesh, Found]:
         """The mesh's own surface, the mesh made anew, or as it came, and what that took."""
         options, unit = self.options, unit_scaling.exponent(mesh.points)
-        normalized = unit_scaling.scaled(replace(mesh, reference=surface), -unit)
+        normalized = unit_scaling.scaled(mesh.altered(reference=surface), -unit)
         apart = touching_pieces.set_apart(normalized)
         if apart:
             normalized = apart.mesh
@@ -184,14 +184,14 @@ class _Work:
             wanted = None if self.wanted is None else unit_scaling.rescaled(self.wanted, -unit)
             found = remesh(given, wanted, options, self.progress)
         own = given.own
-        better = mesh if surface is mesh.reference else replace(mesh, reference=surface)
+        better = mesh if surface is mesh.reference else mesh.altered(reference=surface)
         changed = found.mesh is not normalized
         if apart:
             on = apart.whole_surface(found.on)
             own = on if found.on is own else apart.whole_surface(own)
             found = found._replace(mesh=apart.whole(found.mesh), on=on)
         if changed:
-            better = replace(unit_scaling.scaled(found.mesh, unit), reference=surface)
+            better = unit_scaling.scaled(found.mesh, unit).altered(reference=surface)
         return own, better, found
 
     def _normalized(self, normalized: TetMesh, mesh: TetMesh, unit: int) -> NormalizedMesh:
@@ -226,7 +226,7 @@ class _Work:
         works: list[Metrics] = []
         changed = False
         for part, points in zipped.parts:
-            given = replace(part, reference=reference)
+            given = part.altered(reference=reference)
             of_part = replace(
                 options,
                 tolerance=tolerance / (reference or part).diagonal,
@@ -238,7 +238,7 @@ class _Work:
             made.append(new)
             works.append(found.work)
             changed |= new is not given
-        better = replace(zipped.unzipped(made) if changed else mesh, reference=surface)
+        better = (zipped.unzipped(made) if changed else mesh).altered(reference=surface)
         measured = quality.measure(unit_scaling.scaled(better, -unit))
         work = parts_work.together(works, [(reference or part).diagonal / diagonal for part, _ in zipped.parts])
         return own, better, Found(better, measured, math.ldexp(tolerance, -unit), work, own)

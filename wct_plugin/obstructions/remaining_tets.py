@@ -27,6 +27,8 @@ _FLAT = 0.1
 _SLIGHT = 10.0
 #: How many reasons of each kind are named.
 _NAMED = 5
+#: How many tets are listed one by one: of more nobody reads, and to write them down takes longer than to measure them.
+MOST_LISTED = 100_000
 
 
 class RemainingTet(TypedDict):
@@ -51,14 +53,25 @@ class ReasonKind(TypedDict):
     cells: list[list[list[int]]]  #: of the first few: the vertices, edges, facets and tets to blame, by their vertices
 
 
+class RemainingKind(TypedDict):
+    """The tets of one class that miss the same and that the same option would free."""
+
+    place: str
+    misses: str
+    option: str
+    count: int
+    proven: int
+
+
 class Remaining(TypedDict):
-    """All tets that miss the goal, worst first, their number by class, and why the goal is out of reach."""
+    """The tets that miss the goal, their number by class and by kind, and why the goal is out of reach."""
 
     count: int
     by_place: dict[str, int]
     proven: int  #: those with a proof that the options given rule the goal out
     reasons: list[ReasonKind]
-    tets: list[RemainingTet]
+    kinds: list[RemainingKind]  #: of all of them, most first
+    tets: list[RemainingTet]  #: the worst :data:`MOST_LISTED`, worst first
 
 
 def list_remaining(
@@ -93,52 +106,76 @@ def list_remaining(
     for reason in why:
         for tet in reason.tets:
             proofs.setdefault(tet, reason)
-    advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
-    tets: list[RemainingTet] = []
-    for tet, stratum, holds_3, holds_2, height, angle, centroid in _columns(mesh, measured, bad, place):
-        proof = proofs.get(tet)
-        if proof:
-            option = proof.frees
-        elif stopped:
-            option = "more time: it was stopped"
-        else:
-            option = f"max_tets={needed}" if needed else advice.option(tet, stratum)
-        tets.append(
-            {
-                "tet": tet,
-                "place": CLASSES[stratum],
-                "misses": _TIER[goal] if dual else _MISSED[holds_3, holds_2],
-                "min_height": height,
-                "max_face_angle": angle,
-                "centroid": centroid,
-                "option": option + (", or goal=3wc" if holds_3 and not dual else ""),
-                "proof": str(proof) if proof else "",
-            }
-        )
-    counts = Counter(tet["place"] for tet in tets)
+    proven = np.isin(bad, list(proofs))
+    if stopped or needed:
+        options = [f"max_tets={needed}" if needed and not stopped else "more time: it was stopped"] * len(bad)
+    else:
+        advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
+        options = [advice.option(*one) for one in zip(bad.tolist(), place.tolist(), strict=True)]
+    for k in np.flatnonzero(proven):
+        options[k] = proofs[int(bad[k])].frees
+    if not dual:
+        holds = measured.well_centered_3[bad].tolist()
+        options = [option + (", or goal=3wc" if one else "") for option, one in zip(options, holds, strict=True)]
+    missed = _missed(measured, bad, _TIER[goal] if dual else "")
+    places = [CLASSES[stratum] for stratum in place.tolist()]
+    kinds = Counter(zip(places, missed, options, proven.tolist(), strict=True))
+    listed = zip(_columns(mesh, measured, bad[:MOST_LISTED]), places, missed, options, strict=False)
     return {
-        "count": len(tets),
-        "by_place": {name: counts[name] for name in CLASSES},
-        "proven": sum(bool(tet["proof"]) for tet in tets),
+        "count": len(bad),
+        "by_place": {name: int((place == stratum).sum()) for stratum, name in enumerate(CLASSES)},
+        "proven": int(proven.sum()),
         "reasons": _kinds_of_reasons(why),
-        "tets": tets,
+        "kinds": _kinds_of_tets(kinds),
+        "tets": [_described(*one, str(proofs.get(one[0][0], ""))) for one in listed],
     }
 
 
-def _columns(
-    mesh: TetMesh, measured: Quality, bad: Ints, place: Ints
-) -> Iterator[tuple[int, int, bool, bool, float, float, list[float]]]:
-    """What is known of each: one tet at a time would take longer than all else after a stop early on."""
+def _described(
+    of: tuple[int, float, float, list[float]], place: str, missed: str, option: str, proof: str
+) -> RemainingTet:
+    tet, height, angle, centroid = of
+    return {
+        "tet": tet,
+        "place": place,
+        "misses": missed,
+        "min_height": height,
+        "max_face_angle": angle,
+        "centroid": centroid,
+        "option": option,
+        "proof": proof,
+    }
+
+
+def _missed(measured: Quality, bad: Ints, tier: str) -> list[str]:
+    """What each misses: the ``tier`` where the goal is one of the whole mesh."""
+    if tier:
+        return [tier] * len(bad)
+    holds = zip(measured.well_centered_3[bad].tolist(), measured.well_centered_2[bad].tolist(), strict=True)
+    return [_MISSED[both] for both in holds]
+
+
+def _columns(mesh: TetMesh, measured: Quality, bad: Ints) -> Iterator[tuple[int, float, float, list[float]]]:
+    """Number, smallest h/R, largest angle of a facet and centroid of each."""
     columns = (
         bad,
-        place,
-        measured.well_centered_3[bad],
-        measured.well_centered_2[bad],
         measured.min_height[bad],
         measured.max_face_angle[bad],
         mesh.points[mesh.tets[bad]].mean(axis=1),
     )
     return zip(*(column.tolist() for column in columns), strict=True)
+
+
+def _kinds_of_tets(counts: Counter[tuple[str, str, str, bool]]) -> list[RemainingKind]:
+    """By class, what is missed, what would free it and whether there is a proof, as they are counted."""
+    kinds: dict[tuple[str, str, str], RemainingKind] = {}
+    for (place, missed, option, proven), count in counts.items():
+        kind = kinds.setdefault(
+            (place, missed, option), {"place": place, "misses": missed, "option": option, "count": 0, "proven": 0}
+        )
+        kind["count"] += count
+        kind["proven"] += count * proven
+    return sorted(kinds.values(), key=lambda kind: -kind["count"])
 
 
 def _kinds_of_reasons(found: list[Reason]) -> list[ReasonKind]:
@@ -240,9 +277,7 @@ KINDS = ("class", "tets", "misses", "what would free them", "provably bad")
 
 def kinds(found: Remaining) -> list[tuple[str, ...]]:
     """How many tets there are of each class that miss the same and that the same option would free, most first."""
-    counts = Counter((tet["place"], tet["misses"], tet["option"]) for tet in found["tets"])
-    proven = Counter((tet["place"], tet["misses"], tet["option"]) for tet in found["tets"] if tet["proof"])
     return [
-        (place, str(count), misses, option, str(proven[place, misses, option]))
-        for (place, misses, option), count in counts.most_common()
+        (kind["place"], str(kind["count"]), kind["misses"], kind["option"], str(kind["proven"]))
+        for kind in found["kinds"]
     ]

@@ -67,7 +67,7 @@ class Flow:
         assert isinstance(self.mesh, TetMesh)
         mesh, found = self.mesh, dict(self.found)
         if reference is not None and reference is not mesh.reference:
-            mesh = replace(mesh, reference=reference)
+            mesh = mesh.altered(reference=reference)
             found.pop("deviation", None)
         key = (worst, id(mesh.reference))
         if key not in self._reports:
