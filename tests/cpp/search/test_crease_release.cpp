@@ -47,6 +47,8 @@ TEST_CASE("CreaseRelease: a crease that holds tets up becomes ordinary surface, 
         const search::Vertex &v = complex.vertex(static_cast<int>(k));
         if (complex.used(static_cast<int>(k)) && v.stratum == Stratum::crease)
             CHECK_FALSE(gone.contains(v.label));
+        if (complex.used(static_cast<int>(k)) && v.stratum == Stratum::patch)
+            CHECK(v.label == 0);
     }
     // What was held before is within the tolerance still: the true surface is that of the facets as they were.
     const search::SurfaceGuide guide = guide_of(ball(4, 0.2, 3), kTolerance, 0.125 * body.size);
@@ -68,6 +70,47 @@ TEST_CASE("CreaseRelease: straight creases of planes stay, whatever is said of t
     for (const auto &[key, patch] : complex.sorted_surface())
         patches.insert(patch);
     CHECK(patches.size() == 6);
+}
+
+TEST_CASE("CreaseRelease: what stays keeps its number, and its vertices know it") {
+    Body round = cylinder(4, 0.2, 3);
+    const double size = round.size;
+    // The round side is cut across, along edges; the crease there may go, the rims may not.
+    Body body = stratified(round.points, round.tets, round.regions, [](const Vec3 &middle, const Vec3 &normal) {
+        return std::abs(normal.z) < 0.5 ? (middle.z > 0.53 ? 0 : 1) : normal.z < 0.0 ? 2 : 3;
+    });
+    body.size = size;
+    const auto on_rim = [&](int v) { return body.points[v].z == 0.0 || body.points[v].z == 1.0; };
+    std::vector<std::uint8_t> loose(body.creases.size(), 0); // as many curves at most
+    std::set<int> rims;
+    for (std::size_t e = 0; e < body.creases.size(); ++e)
+        if (on_rim(body.creases[e][0]) && on_rim(body.creases[e][1]))
+            rims.insert(body.curve[e]);
+        else
+            loose[body.curve[e]] = 1;
+    REQUIRE(rims.size() == 2);
+    search::TetComplex complex = complex_of(body);
+    search::CreaseRelease search(complex,
+                                 {body.points, body.facets, body.patch, body.creases, body.curve, loose, 0.0, {}},
+                                 kTolerance, 0.125 * size);
+    search.run(little(), [](const char *, double, int) { return true; });
+    REQUIRE_FALSE(search.released().empty());
+    CHECK(fault(complex) == "");
+    std::set<int> left, patches;
+    for (const auto &[edge, curve] : complex.creases()) {
+        left.insert(curve);
+        for (const int v : edge)
+            if (complex.vertex(v).stratum == Stratum::crease)
+                CHECK(complex.vertex(v).label == curve);
+    }
+    CHECK(left == rims);
+    for (const auto &[key, patch] : complex.sorted_surface()) {
+        patches.insert(patch);
+        for (const int v : key)
+            if (complex.vertex(v).stratum == Stratum::patch)
+                CHECK(complex.vertex(v).label == patch);
+    }
+    CHECK(patches.size() == 3);
 }
 
 } // namespace wct::tests

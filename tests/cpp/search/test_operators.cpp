@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -255,6 +256,40 @@ TEST_CASE("Operators hold curved creases between planes and a curved patch") {
     Bench bench(cylinder(4, 0.2, 8), kTolerance);
     REQUIRE(bench.complex.over_count() == 0);
     try_operators(bench, 1500, 4, false);
+}
+
+TEST_CASE("Operators: where a facet goes on beyond its patch, the farthest place is on the patch's rim") {
+    constexpr double tolerance = 0.04;
+    const Body body = cylinder(4, 0.2, 9);
+    Body high = body; // its round side covers that of the cylinder, and more
+    for (Vec3 &p : high.points)
+        p.z += p.z - 0.5;
+    search::TetComplex complex = complex_of(high);
+    const search::SurfaceGuide guide = guide_of(body, tolerance, 0.125 * body.size);
+    const search::SearchEnergy energy(search_form());
+    search::SurfaceWatch watch(complex, guide);
+    search::Operators operators(complex, energy, guide, watch);
+    watch.begin();
+    int beyond = 0, within = 0;
+    for (const auto &[key, patch] : complex.sorted_surface()) {
+        if (guide.planar(patch))
+            continue;
+        const std::array<Vec3, 3> corners = complex.corners(key);
+        for (int l = complex.facet(key).landmark; l >= 0; l = complex.next_landmark(l))
+            REQUIRE(square_to(guide.landmarks()[l].point, corners) < tolerance * tolerance);
+        const auto found = operators.farthest(key);
+        if (!found) {
+            const Vec3 middle = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]);
+            CHECK(distance_to_patch(body, {middle, middle, middle}, patch) <= tolerance);
+            ++within;
+            continue;
+        }
+        CHECK(std::abs(found->z - 0.5) == doctest::Approx(0.5).epsilon(1e-12));
+        CHECK(distance_to_patch(body, {*found, *found, *found}, patch) < 1e-12);
+        ++beyond;
+    }
+    CHECK(beyond > 5);
+    CHECK(within > 5);
 }
 
 } // namespace wct::tests
