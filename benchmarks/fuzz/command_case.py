@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -114,7 +115,7 @@ def _run(draw: random.Random, mesh: random_mesh.Made, folder: Path) -> Case:
         text = text[:at] + draw.choice(("", "[", "}", '"', "nan", "\\", "1e999")) + text[at + 1 :]
     (folder / "chain.json").write_text(text)
     limit = ("--time-limit", f"{10.0 ** draw.uniform(-2, 0):.4f}")
-    outputs = ("out.vtu", "out.ply")
+    outputs = ("out.vtu", "out.ply", *re.findall(r"\w+\.(?:vtu|ply)", text))  # a changed text may name another
     return Case("run", ("run", "chain.json", *limit), ("in.vtu", "chain.json"), outputs, mesh, limited=True)
 
 
@@ -218,9 +219,10 @@ def _judge_optimized(case: Case, ran: Ran, folder: Path) -> list[str]:
     if faults := result.faults_of_mesh(new):
         return faults
     reports = json.loads((folder / "report.json").read_text())
+    told = ran.text.replace("\n", " ")
+    new = result.with_old_tags(new, told)
     faults = result.faults_of_report(reports["before"], old)
     faults += result.faults_of_report(reports["after"], new)
-    told = ran.text.replace("\n", " ")
     missed = ran.code == 1
     lost = result.faults_of_regions(old, new, volumes=not (missed and ("volume" in told or "size of" in told)))
     if not (missed and ("size of" in told or "group" in told)):

@@ -8,8 +8,10 @@ from pathlib import Path
 import gmsh
 import numpy as np
 import pytest
+from support.builders import kuhn_cube
 from support.gmsh_session import add_two_boxes, gmsh_session
 
+from wct_plugin.errors import WctWarning
 from wct_plugin.io import read, write
 from wct_plugin.mesh import Cells, TetMesh
 from wct_plugin.pipeline.stage import apply_filter
@@ -253,3 +255,13 @@ def test_gmsh_reads_our_other_formats(suffix: str, full: TetMesh, tmp_path: Path
             for _, entity in gmsh.model.getEntities(dimension)
         }
         assert found == dict(zip(*(one.tolist() for one in np.unique(tags, return_counts=True)), strict=True))
+
+
+@pytest.mark.parametrize("version", ["2.2", "4.1"])
+def test_tags_below_zero_are_named_unless_they_have_names(tmp_path: Path, version: str) -> None:
+    mesh = replace(kuhn_cube(2), regions=np.where(np.arange(48) < 20, -5, 7))
+    with pytest.warns(WctWarning, match=r"tags below 0 of tetra cells \(-5 is 5\)"):
+        write(tmp_path / "a.msh", mesh, version=version)
+    assert np.unique(read(tmp_path / "a.msh").regions).tolist() == [5, 7]
+    write(tmp_path / "b.msh", replace(mesh, names={"oxide": (-5, 3)}), version=version)  # and no warning
+    assert read(tmp_path / "b.msh").names == {"oxide": (5, 3)}

@@ -126,6 +126,21 @@ def test_names_as_older_programs_wrote_them(tmp_path: Path) -> None:
     assert mesh.tet_sets["façade"].tolist() == [0]
 
 
+def test_families_whose_names_are_not_utf8(tmp_path: Path) -> None:
+    """Salome writes names in the letters of the machine, as Latin-1 in France; HDF5 takes them as they are."""
+    mesh = kuhn_cube(2)
+    left = np.flatnonzero(mesh.points[mesh.tets].mean(axis=1)[:, 0] < 0.5)
+    wct.write(tmp_path / "a.med", replace(mesh, tet_sets={"left": left}))
+    with h5py.File(tmp_path / "a.med", "r+") as file:
+        families = next(iter(file["FAS"].values()))["ELEME"]
+        name = next(iter(families)).encode()
+        families.id.links.move(name, families.id, name + b"_pi\xe8ce")
+        assert not all(isinstance(one, str) for one in families)
+    found = wct.read(tmp_path / "a.med")
+    assert isinstance(found, TetMesh)
+    assert found.tet_sets["left"].tolist() == left.tolist()
+
+
 def test_what_no_group_can_be_called_is_named(tmp_path: Path) -> None:
     cube = kuhn_cube(1)
     long = "é" * 41

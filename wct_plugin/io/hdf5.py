@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from wct_plugin.errors import InputError
 from wct_plugin.io import read_limit
+from wct_plugin.io.text_lines import decoded
 
 #: Times that deflate may unpack its bytes to.
 _DEFLATE_MOST = 1032
@@ -33,7 +34,7 @@ def opened(path: Path, *, links: bool = False) -> Iterator[Any]:
 
     try:
         with h5py.File(path, "r") as file:
-            out = None if links else file.id.links.visit(_leading_out, info=True)
+            out = None if links else _link_out(file)
             if out is not None:
                 raise InputError(f"has the link {out!r} into another file; allowed are links within it")
             yield file
@@ -45,10 +46,11 @@ def children(group: Any) -> Iterator[tuple[str, Any]]:
     """Names and members of a group. Raises :class:`InputError` for what is none, and for members that cannot be had."""
     if not hasattr(group, "items"):
         raise InputError(f"has {_called(group)} where a group should be")
-    for name, member in group.items():
+    for name in group:
+        member = _member(group, name)
         if member is None:
-            raise InputError(f"lacks what {name!r} in {_called(group)} leads to, or it is damaged")
-        yield name, member
+            raise InputError(f"lacks what {_text(name)!r} in {_called(group)} leads to, or it is damaged")
+        yield _text(name), member
 
 
 def array(group: Any, name: str, kinds: str = "iuf") -> NDArray[Any]:
@@ -75,13 +77,39 @@ def number(part: Any, name: str) -> int:
     return int(value.item())
 
 
-def _leading_out(name: Any, info: Any) -> str | None:
-    """The name of a link if it leads out of the file."""
-    from h5py import h5l
+def _text(name: str | bytes) -> str:
+    """A name: h5py gives bytes where they are not UTF-8."""
+    return name if isinstance(name, str) else decoded(name)
 
-    if info.type in (h5l.TYPE_HARD, h5l.TYPE_SOFT):
-        return None
-    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
+
+def _member(group: Any, name: str | bytes) -> Any:
+    """A member of a group, None where it cannot be had; by bytes h5py's groups give none themselves."""
+    from h5py import Dataset, Group, h5d, h5g, h5o
+
+    if isinstance(name, str):
+        return group.get(name)
+    found = h5o.open(group.id, name)
+    kind = {h5g.GroupID: Group, h5d.DatasetID: Dataset}.get(type(found))
+    return kind and kind(found)
+
+
+def _link_out(file: Any) -> str | None:
+    """The first link found that leads out of the file; none is followed."""
+    from h5py import Group, h5l, h5o
+
+    waiting = [file["/"]]
+    seen = {h5o.get_info(waiting[0].id).addr}
+    while waiting:
+        group = waiting.pop()
+        for name in group:
+            kind = group.id.links.get_info(name if isinstance(name, bytes) else name.encode()).type
+            if kind not in (h5l.TYPE_HARD, h5l.TYPE_SOFT):
+                return _text(name)
+            member = _member(group, name) if kind == h5l.TYPE_HARD else None
+            if isinstance(member, Group) and (place := h5o.get_info(member.id).addr) not in seen:
+                seen.add(place)
+                waiting.append(member)
+    return None
 
 
 def leads_out(group: Any, path: str, most: int = 100) -> bool:

@@ -165,7 +165,9 @@ def contents(mesh: TetMesh | SurfaceMesh, form: Format) -> tuple[Content, list[s
     _put_cell_data(content, blocks, form, lost)
     names = dict(mesh.names) if isinstance(mesh, TetMesh) else {}
     if form.name == "gmsh":
-        names = with_positive_tags(blocks, names)
+        names, changed = with_positive_tags(blocks, names)
+        families = isinstance(mesh, TetMesh) and mesh.tag_name == med_families.TAGS  # these say nothing by their number
+        lost += [] if families else changed
     _put_tags(content, blocks, mesh, form, lost)
     point_sets = beside_tets.point_sets_of(mesh) if isinstance(mesh, TetMesh) else {}
     if form.name == "gmsh" and isinstance(mesh, TetMesh):

@@ -45,14 +45,21 @@ def _one_each(names: Names) -> Names:
     return {name: pair for name, pair in names.items() if first[pair] == name}
 
 
-def with_positive_tags(blocks: Sequence[Block], names: Mapping[str, tuple[int, int]]) -> Names:
-    """Give the blocks tags that gmsh can have; returns the names with these."""
+def with_positive_tags(blocks: Sequence[Block], names: Mapping[str, tuple[int, int]]) -> tuple[Names, list[str]]:
+    """Give the blocks tags that gmsh can have.
+
+    Returns the names with these, and what the tags without names were and are: nothing else in the file tells.
+    """
     found = dict(names)
+    lost = []
     for block in blocks:
         block.tags, changed = gmsh_tags.positive(block.tags, block.dimension, names)
         of_block = {name: tag for name, (tag, of) in names.items() if of == block.dimension}
         found |= {name: (changed[tag], block.dimension) for name, tag in of_block.items() if tag in changed}
-    return found
+        unnamed = [f"{tag} is {now}" for tag, now in changed.items() if tag not in of_block.values()]
+        if unnamed:
+            lost.append(f"tags below 0 of {block.kind} cells ({', '.join(unnamed)})")
+    return found, lost
 
 
 def as_sets(blocks: Sequence[Block], names: Mapping[str, tuple[int, int]]) -> tuple[Names, list[str]]:
