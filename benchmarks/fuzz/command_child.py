@@ -100,7 +100,8 @@ def run(case: Case, folder: Path, cores: int = 2) -> Ran:
     if not child:
         _become(case, folder, cores)
     ran = _wait(child, case)
-    return Ran(ran.code, (folder / "printed").read_text(errors="replace"), ran.cpu)
+    printed = folder / "printed"  # not there where a signal came before the command began
+    return Ran(ran.code, printed.read_text(errors="replace") if printed.exists() else "", ran.cpu)
 
 
 def _again(case: Case, ran: Ran, folder: Path) -> list[str]:

@@ -310,3 +310,14 @@ def test_inverted_and_flat_tets_of_plain_arrays():
     assert not np.isfinite(quality.circumradii(flat, np.arange(4)[None])).any()
     assert np.isinf(quality.heights(flat, np.arange(4)[None])[1]).all()
     assert np.allclose(np.sort(quality.dihedral_angles(flat, np.arange(4)[None])[0]), [0, 0, 0, 0, 180, 180])
+
+
+def test_a_tet_that_is_flat_in_all_digits_but_one_has_numbers_on_its_flags_side():
+    """Found by fuzzing: coplanar but for 1e-323 of its size, its circumcenter well inside, h/R was no number."""
+    a, small = 1.9426688922257292e83, 9.598059608932038e-240
+    mesh = TetMesh(np.array([[0, a, a], [0, small, 0], [a, a, a], [a, 0, small]]), np.array([[0, 1, 2, 3]]))
+    measured = quality.measure(mesh)
+    assert measured.well_centered_3.all()
+    assert not measured.well_centered_2.any()
+    assert (measured.min_height > 0).all()
+    assert (measured.max_face_angle >= 90).all()

@@ -9,6 +9,9 @@ from wct_plugin.mesh.triangle_surfaces import areas
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats
 
+#: A patch is planar where the sum of its facets as vectors is as long as their areas together, but for so much.
+_PLANAR = 1.0 - 1e-6
+
 
 def outer(on: Reference) -> SurfaceMesh:
     """The part of a surface that has outside on one side."""
@@ -40,6 +43,17 @@ def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
         if area:
             out[name] = float(on_patch[np.isin(on.carried, patches)].sum()) / area
     return out
+
+
+def planar_share(on: Reference) -> float:
+    """The share of its area that is in planar patches."""
+    triangles, patch, count = on.strata.triangles, on.strata.patch, len(on.sides)
+    corners = on.points[triangles]
+    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sums = np.column_stack([np.bincount(patch, axis, minlength=count) for axis in vectors.T])
+    area = _patch_areas(on)
+    planar = np.linalg.norm(sums, axis=1) > _PLANAR * area
+    return float(area[planar].sum() / area.sum())
 
 
 def _patch_areas(on: Reference) -> Floats:

@@ -35,11 +35,15 @@ _FINER_HELD = 2  #: the same beside facets that are held
 #: on both sides, a start of nearly even size comes right oftener than one whose lattice changes from cell to cell.
 _SHARES = (1.0, 1.0, 0.6)
 _AT_INTERFACES = 0.8
-#: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth: a
-#: whole start with shorter edges takes longer, has more tets, and comes right no oftener.
+#: Where more than this share of a start's tets is stuck, its search goes on before another start is made, which takes
+#: longer, has more tets, and comes right no oftener: that of the first start of a body of one region for so many times
+#: its worth, at most for a part of the work that is left.
 _FEW_STUCK = 0.002
 _PATIENCE = 6.0
-_PATIENT = 0.4  #: the part of the work that is left that this takes at most
+_PATIENT = 0.4
+#: At interfaces it goes on with all that is left, as ever fewer are stuck and shorter edges do not help, unless so many
+#: are that there are too few points.
+_MANY_STUCK = 0.035
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -182,25 +186,27 @@ class LocalSearch:
     ) -> list[SearchResult]:
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
-        Where much of the first is, its search goes on before that. Where the best is stuck in few places, the rest of
-        it stays, and creases that it gave up stay so. What that may cost counts from here: where pairs of sides are to
+        Where much of it is, its search goes on before that. Where the best is stuck in few places, the rest of it
+        stays, and creases that it gave up stay so. What that may cost counts from here: where pairs of sides are to
         match, one such search follows another.
         """
         self.work.begin_with(len(start.tets))
-        tried, finer, worth = [], ShorterEdges.nowhere(), self.worth
+        tried, finer = [], ShorterEdges.nowhere()
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
+        worth, part = self.worth, 1.0
+        last = False  # nothing else is left to try
         while True:
-            part = _PATIENT if self.worth < worth < np.inf else 1.0
             found = self.run(start, self._without(on, gone), tolerance, worth, part)
             found = replace(found, released=np.union1d(gone, found.released))
             tried.append(found)
-            if not len(found.stuck) or self.listen.stopped or worth == np.inf or not self.work.left:
+            if not len(found.stuck) or self.listen.stopped or last or not self.work.left:
                 return tried
             fewest = best(tried)
-            if len(tried) == 1 and len(fewest.stuck) > _FEW_STUCK * len(fewest.mesh.tets):
-                start, gone, worth = fewest.mesh, fewest.released, _PATIENCE * self.worth
+            if worth == self.worth and self._goes_on(on, tried):
+                start, gone = fewest.mesh, fewest.released
+                worth, part = (_PATIENCE * self.worth, _PATIENT) if len(on.regions) == 1 else (np.inf, 1.0)
                 continue
-            worth = self.worth
+            worth, part = self.worth, 1.0
             free = self._free(fewest)
             share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else _AT_INTERFACES
             finer = finer.about(fewest.mesh.points[free].mean(axis=1), share * fewest.mesh.size[free].mean(axis=1))
@@ -213,9 +219,17 @@ class LocalSearch:
                     again = self.resampled(on, tolerance, lengths, finer, attempt=len(tried))
             if self.listen.stopped:
                 return tried
-            if again is None:  # nothing else is left to try than more of the same
-                worth, again, gone = np.inf, fewest.mesh, fewest.released
+            if again is None:  # more of the same
+                last, worth, again, gone = True, np.inf, fewest.mesh, fewest.released
             start = again
+
+    @staticmethod
+    def _goes_on(on: Reference, tried: list[SearchResult]) -> bool:
+        """Whether the search from the last start goes on."""
+        stuck = len(tried[-1].stuck) / len(tried[-1].mesh.tets)
+        if len(on.regions) == 1:
+            return len(tried) == 1 and stuck > _FEW_STUCK
+        return _FEW_STUCK < stuck <= _MANY_STUCK and tried[-1] is best(tried)
 
     def _partial_restart(
         self,

@@ -1,9 +1,13 @@
 """How long a search may go on: counted in work, not in seconds, so that its result is the same on any machine."""
 
-#: Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. From 6 to 14
-#: of them take a microsecond, so that all together ends within some 6 s and 4 ms per tet of CPU time.
+#: Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. On curved
+#: surfaces 4 to 9 of them take a microsecond, with what is asked of the surface for each, between planes 15 to 20: so
+#: all together ends within some 5 s and 5 ms per tet of CPU time.
 _BASE = 75_000_000
 _PER_TET = 42_000
+#: The same where all the surface is planar.
+_BASE_PLANAR = 85_000_000
+_PER_TET_PLANAR = 75_000
 #: What making a start costs, in evaluations per tet of it.
 _START = 1_500
 
@@ -11,18 +15,18 @@ _START = 1_500
 class WorkLimit:
     """What searches and their starts may cost together, and have cost since :meth:`begin_with`."""
 
-    def __init__(self, tets: int, effort: int) -> None:
-        """Begin; ``tets`` of the input."""
+    def __init__(self, tets: int, effort: int, planar: float = 0.0) -> None:
+        """Begin; ``tets`` of the input, the share of the surface that is ``planar``."""
         self._tets = tets
-        self._effort = effort
+        self._base = effort * (_BASE + planar * (_BASE_PLANAR - _BASE))
+        self._per_tet = effort * (_PER_TET + planar * (_PER_TET_PLANAR - _PER_TET))
         self._spent = 0
         self.reached = False  #: whether a search or a start was cut off
 
     @property
     def left(self) -> int:
         """Evaluations that are left."""
-        allowed = self._effort * (_BASE + _PER_TET * self._tets)
-        return max(0, int(allowed) - self._spent)
+        return max(0, int(self._base + self._per_tet * self._tets) - self._spent)
 
     def begin_with(self, tets: int) -> None:
         """Count anew, from a start of so many tets."""
