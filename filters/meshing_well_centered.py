@@ -130,7 +130,7 @@ class MeshingWellCentered(FilterStage[MeshingOptions]):
     A lattice-like start (graded body-centered cubic inside, evenly spaced on patches and creases, relaxed) is repaired
     by local search: flips, edge removal, collapse, split, insertion and relocation round every tet that falls short.
     Where that is stuck, it goes on for longer, then starts again with shorter edges there, five times at most; if few
-    tets are, the rest stays. All that ends after so much work, counted, as takes about 6 s and 4 ms per tet of CPU
+    tets are, the rest stays. All that ends after so much work, counted, as takes about 5 s and 5 ms per tet of CPU
     time; ``effort`` multiplies it.
     Regions and their interfaces, creases, corners and tagged facets and edges are kept, point data interpolated.
     Facets of a set RequiredTriangles and edges of a set RequiredEdges, as Medit's files have them, stay to the bit;

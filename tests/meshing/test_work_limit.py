@@ -22,6 +22,12 @@ def test_effort_multiplies_all():
     assert WorkLimit(100, effort=7).left == 7 * WorkLimit(100, effort=1).left
 
 
+def test_between_planes_it_is_more_evaluations():
+    curved, half, planar = (WorkLimit(10_000, effort=2, planar=share).left for share in (0.0, 0.5, 1.0))
+    assert half == (curved + planar) / 2
+    assert 1.5 < planar / curved < 2.0  # as many times as many take a microsecond, about
+
+
 def test_it_is_reached_only_where_tets_are_stuck():
     limit = WorkLimit(100, effort=1)
     limit.add_search(limit.left, stuck=0)
@@ -40,8 +46,8 @@ def test_what_begins_anew_has_all_of_it_again():
 
 
 def test_where_it_ends_a_search_the_goal_says_so(monkeypatch):
-    monkeypatch.setattr(work_limit, "_BASE", 1_000)
-    monkeypatch.setattr(work_limit, "_PER_TET", 0)
+    monkeypatch.setattr(work_limit, "_BASE_PLANAR", 1_000)
+    monkeypatch.setattr(work_limit, "_PER_TET_PLANAR", 0)
     result = (wct.Reader(jittered_cube(2)) | wct.Filter.meshing_well_centered()).execute()
     (goal,) = result.goals
     assert goal.exhausted
@@ -51,7 +57,7 @@ def test_where_it_ends_a_search_the_goal_says_so(monkeypatch):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_same_work_gives_the_same_mesh(seed, monkeypatch):
-    monkeypatch.setattr(work_limit, "_BASE", 5_000_000)
+    monkeypatch.setattr(work_limit, "_BASE_PLANAR", 5_000_000)
     one, other = (wct.apply_filter("meshing_well_centered", jittered_cube(2), seed=seed)[0] for _ in range(2))
     assert np.array_equal(one.points, other.points)
     assert np.array_equal(one.tets, other.tets)
