@@ -225,6 +225,31 @@ TEST_CASE("Predicates on doubles with all their bits, as near to zero as roundin
     CHECK(wrong == 0);
 }
 
+TEST_CASE("orient3d: what may be lost counts in every term of the determinant") {
+    // One edge is long along an axis, but for as little as rounding loses; the others are nearly parallel as seen along
+    // it, so that its term loses all its digits, and the next decides.
+    Random random(5);
+    int wrong = 0, lost = 0;
+    for (int k = 0; k < 30000; ++k) {
+        const double along = std::ldexp(1.0 + random.uniform(), random.below(80) - 20);
+        const double size = std::ldexp(1.0, random.below(40) - 10), times = random.normal();
+        const double v1 = size * random.normal(), v2 = size * random.normal();
+        const Vec3 rows[3] = {{along, along * 0x1p-53 * random.normal(), 0.0},
+                              {size * random.normal(), v1, v2},
+                              {size * random.normal(), times * v1, times * v2}};
+        std::array<Vec3, 4> p{}; // the first is the origin, so that differences are exact
+        for (int i = 0; i < 3; ++i) {
+            const auto &[x, y, z] = rows[i];
+            p[i + 1] = k % 3 == 0 ? Vec3{x, y, z} : k % 3 == 1 ? Vec3{z, x, y} : Vec3{y, z, x};
+        }
+        const int wanted = side_of<BigInteger>(whole<4>(p));
+        wrong += orient3d(p[0], p[1], p[2], p[3]) != wanted;
+        lost += (dot(p[1], cross(p[2], p[3])) > 0.0) != (wanted > 0);
+    }
+    CHECK(wrong == 0);
+    CHECK(lost > 1000); // so often rounding alone has another sign
+}
+
 TEST_CASE("Predicates where differences of coordinates overflow or are lost") {
     const double huge = 1.7e308, tiny = 5e-324;
     const Vec3 o{-huge, -huge, -huge}, x{huge, -huge, -huge}, y{-huge, huge, -huge}, z{-huge, -huge, huge};

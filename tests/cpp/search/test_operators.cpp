@@ -292,4 +292,46 @@ TEST_CASE("Operators: where a facet goes on beyond its patch, the farthest place
     CHECK(within > 5);
 }
 
+TEST_CASE("Operators: no edge and no facet is made that is there already, where a mesh overlaps itself") {
+    const auto body_of = [](std::vector<Vec3> points, std::vector<Tet> tets) {
+        const std::size_t count = tets.size();
+        Body body = stratified(std::move(points), std::move(tets), std::vector<int>(count, 0),
+                               [](const Vec3 &, const Vec3 &) { return 0; });
+        body.size = 1.0;
+        return body;
+    };
+    const Vec3 low{0.0, 0.0, -1.0}, high{0.0, 0.0, 1.0};
+    // Three tets round the edge 0-1, and one with the facet that would take the edge's place.
+    const double x = 0.5, y = std::sqrt(0.75);
+    const std::vector<Vec3> three{low, high, {1.0, 0.0, 0.0}, {-x, y, 0.0}, {-x, -y, 0.0}, {0.0, 0.0, 0.4}};
+    const std::vector<Tet> round{{0, 1, 2, 3}, {0, 1, 3, 4}, {0, 1, 4, 2}};
+    std::vector<Tet> more = round;
+    more.push_back({2, 3, 4, 5});
+    Bench free(body_of({three.begin(), three.begin() + 5}, round)), taken(body_of(three, more));
+    CHECK(free.operators.remove_edge(0, 1, kInfinity));
+    CHECK_FALSE(taken.operators.remove_edge(0, 1, kInfinity));
+    // Four, and two others with the edges of which one would.
+    const std::vector<Vec3> four{low,
+                                 high,
+                                 {1.0, 0.0, 0.0},
+                                 {0.0, 1.0, 0.0},
+                                 {-1.0, 0.0, 0.0},
+                                 {0.0, -1.0, 0.0},
+                                 {0.1, 0.2, 3.0},
+                                 {0.3, -0.1, 4.0}};
+    const std::vector<Tet> ring{{0, 1, 2, 3}, {0, 1, 3, 4}, {0, 1, 4, 5}, {0, 1, 5, 2}};
+    const auto positive = [&](Tet tet) {
+        if (six_volumes(four[tet[0]], four[tet[1]], four[tet[2]], four[tet[3]]) < 0.0)
+            std::swap(tet[2], tet[3]);
+        return tet;
+    };
+    Bench open(body_of({four.begin(), four.begin() + 6}, ring));
+    more = ring;
+    more.push_back(positive({2, 4, 6, 7}));
+    more.push_back(positive({3, 5, 6, 7}));
+    Bench closed(body_of(four, more));
+    CHECK(open.operators.remove_edge(0, 1, kInfinity));
+    CHECK_FALSE(closed.operators.remove_edge(0, 1, kInfinity));
+}
+
 } // namespace wct::tests

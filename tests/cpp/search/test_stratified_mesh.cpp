@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 namespace wct::tests {
 
@@ -27,6 +28,39 @@ TEST_CASE("Stratified meshes: sound ones pass, and come back as they went in") {
         CHECK(back.creases.size() == mesh.creases.size());
         CHECK(search::rows_of(complex, {0, 5, 7}) == std::vector<int>{0, 5, 7});
     }
+}
+
+TEST_CASE("Stratified meshes: vertices that went are not in what comes back") {
+    Bench bench(cube(4, 0.2, 4));
+    int gone = 0;
+    for (std::size_t k = 0; k < bench.complex.vertex_slots(); ++k) {
+        const int v = static_cast<int>(k);
+        if (bench.complex.vertex(v).stratum != Stratum::interior)
+            continue;
+        std::vector<int> around;
+        for (const int t : bench.complex.star(v))
+            for (const int w : bench.complex.tet(t))
+                if (w != v)
+                    around.push_back(w);
+        for (const int w : around) {
+            bench.complex.mark();
+            if (bench.operators.collapse(v, w, 1e9)) {
+                bench.complex.commit();
+                ++gone;
+                break;
+            }
+            bench.complex.rollback();
+        }
+    }
+    REQUIRE(gone > 0);
+    const search::StratifiedMesh mesh = search::mesh_of(bench.complex);
+    CHECK(mesh.points.size() == bench.body.points.size() - static_cast<std::size_t>(gone));
+    std::vector<char> used(mesh.points.size(), 0);
+    for (const Tet &tet : mesh.tets)
+        for (const int v : tet)
+            used[static_cast<std::size_t>(v)] = 1;
+    CHECK(std::count(used.begin(), used.end(), 1) == static_cast<std::ptrdiff_t>(used.size()));
+    CHECK_NOTHROW(search::expect_conforming(mesh));
 }
 
 TEST_CASE("Stratified meshes: what is wrong is refused by name") {

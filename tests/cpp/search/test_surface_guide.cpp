@@ -113,6 +113,34 @@ TEST_CASE("SurfaceGuide: vertices of a curved patch stay in a shell, of its crea
     }
 }
 
+TEST_CASE("SurfaceGuide: corners of curved patches stay in a ball of half the tolerance there") {
+    const Body body = cut_ball(4, 0.1, 5); // each vertex of its crease may be a corner
+    std::vector<double> local(body.points.size(), kTolerance);
+    for (std::size_t v = 0; v < local.size(); v += 2)
+        local[v] = 0.2 * kTolerance;
+    const search::SurfaceGuide plain = guide_of(body, kTolerance, 0.1);
+    const search::SurfaceGuide narrow({body.points, body.facets, body.patch, body.creases, body.curve, 0.0, local},
+                                      kTolerance, 0.1);
+    Random random(6);
+    for (const Edge &edge : body.creases)
+        for (const int v : edge) {
+            search::Vertex corner;
+            corner.stratum = Stratum::corner;
+            corner.label = v;
+            const Vec3 home = body.points[v];
+            for (const search::SurfaceGuide *guide : {&plain, &narrow}) {
+                const double reach = 0.5 * (guide == &plain ? kTolerance : local[static_cast<std::size_t>(v)]);
+                Vec3 x = home + 3.0 * kTolerance * unit(random.normal3());
+                CHECK(guide->admit(corner, x));
+                CHECK(norm(x - home) == doctest::Approx(reach).epsilon(1e-9));
+                const Vec3 asked = home + 0.9 * reach * unit(random.normal3());
+                x = asked;
+                CHECK(guide->admit(corner, x));
+                CHECK(x == asked);
+            }
+        }
+}
+
 TEST_CASE(
     "SurfaceGuide: facets near their patch, how far others are, heights and normals, against distances all over") {
     const Body body = ball(4, 0.1, 3);
