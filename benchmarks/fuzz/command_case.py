@@ -249,7 +249,9 @@ def _judge_optimized(case: Case, ran: Ran, folder: Path) -> list[str]:
 
 
 def _planes_promised(case: Case, old: result.Arrays) -> bool:
-    """Whether all sides are large enough to stay plane: 28 tolerances and 3 % of the diagonal."""
+    """Whether all sides are large enough to stay plane, 28 tolerances and 3 % of the diagonal, with creases between."""
+    if case.options.get("crease_angle", 0.0) >= 90.0:
+        return False
     spans = np.concatenate([np.diff(np.unique(old.points[:, axis])) for axis in range(3)])
     tolerance = case.options.get("tolerance") or 1e-3
     diagonal = float(np.linalg.norm(np.ptp(old.points, axis=0)))

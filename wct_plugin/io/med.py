@@ -121,6 +121,8 @@ def _point_groups(raw: RawMesh, points: Any, families: dict[int, Family]) -> Non
     if "FAM" not in points:
         return
     numbers = _families(points, "points")
+    if len(numbers) != len(raw.points):
+        raise InputError(f"has families of {len(numbers)} points; it has {len(raw.points)}")
     if not set(np.unique(numbers).tolist()) <= {0, *(number for number, one in families.items() if one.groups)}:
         raw.point_data["point_tags"] = numbers  # no group says it
     for name in dict.fromkeys(name for one in families.values() for name in one.groups):

@@ -202,9 +202,9 @@ class LocalSearch:
             if not len(found.stuck) or self.listen.stopped or last or not self.work.left:
                 return tried
             fewest = best(tried)
-            if worth == self.worth and self._goes_on(on, tried):
-                start, gone = fewest.mesh, fewest.released
-                worth, part = (_PATIENCE * self.worth, _PATIENT) if len(on.regions) == 1 else (np.inf, 1.0)
+            if self._goes_on(on, tried):
+                start, gone, worth = fewest.mesh, fewest.released, _PATIENCE * self.worth
+                part = _PATIENT if len(on.regions) == 1 else 1.0
                 continue
             worth, part = self.worth, 1.0
             free = self._free(fewest)
