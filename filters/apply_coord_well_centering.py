@@ -8,6 +8,9 @@ from pydantic import Field
 
 from wct_plugin.core import _core
 from wct_plugin.measure import quality
+from wct_plugin.measure.conserved import measure_groups
+from wct_plugin.measure.fidelity import measure_volumes, region_names
+from wct_plugin.measure.losses import find_changes
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.meshing import required_cells
@@ -47,6 +50,7 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
     surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
     between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners. Vertices
     shared with other cells, and those of the sets RequiredTriangles and RequiredEdges, stay.
+    Volumes of regions and sizes of tagged groups that change by more than .5 % are among the losses, and no success.
     The metrics say which tets miss the goal, and what in the connectivity or the boundary provably rules it out.
     """
 
@@ -94,4 +98,10 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
             stopped=report["stopped"],
             connectivity="fixed",
         )
-        return moved, {**report, "remaining": left}
+        return moved, {**report, **(_sizes(mesh, moved) if slides else {}), "remaining": left}
+
+
+def _sizes(old: TetMesh, new: TetMesh) -> Metrics:
+    """Volumes of regions and sizes of groups, which sliding on what is curved changes, and which by too much."""
+    volumes, groups = measure_volumes(old, new, {}), measure_groups(old, new, {})
+    return {"volumes": volumes, "groups": groups, "losses": find_changes(volumes, groups, region_names(old))}

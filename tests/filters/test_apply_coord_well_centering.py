@@ -166,3 +166,17 @@ def test_it_says_what_the_connectivity_rules_out():
         assert all(kind["option"].endswith("filters.meshing_well_centered") for kind in left["reasons"])
         report = make_report(better, found=metrics)
         assert len(report.why()) == len(left["reasons"])
+
+
+def test_volumes_and_groups_that_change_by_too_much_are_losses():
+    mesh = ball(4)
+    mesh = replace(mesh, facets=Cells(mesh.topology.boundary, np.full(len(mesh.topology.boundary), 7)))
+    _, metrics = apply_filter("apply_coord_well_centering", mesh, goal="3wc", tolerance=0.05)
+    ((tag, volume),) = metrics["volumes"].items()
+    change = volume["change"]
+    assert change < -0.005
+    assert {(loss["kind"], loss["name"]) for loss in metrics["losses"]} == {("volume", tag), ("group", "7")}
+    assert f"{100 * change:+.2f} %" in metrics["losses"][0]["text"]
+    _, metrics = apply_filter("apply_coord_well_centering", jittered_cube(3, 1), goal="3wc")
+    assert metrics["losses"] == []
+    assert metrics["volumes"][tag]["change"] == pytest.approx(0.0, abs=1e-12)

@@ -131,3 +131,16 @@ def test_an_interrupt_before_or_after_the_renaming_does_not_deceive(
             path.write_text("new")
         assert written.names() == [str(tmp_path / "a.vtu")] * renamed
         assert (tmp_path / "a.vtu").read_text() == ("new" if renamed else "old")
+
+
+def test_an_interrupt_as_the_workplace_is_made_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make = Path.mkdir
+
+    def interrupted(folder: Path, *args: int, **kwargs: int) -> None:
+        make(folder, *args, **kwargs)  # type: ignore[arg-type]
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "mkdir", interrupted)
+    with pytest.raises(KeyboardInterrupt), replacing(tmp_path / "a.vtu"):
+        pass
+    assert os.listdir(tmp_path) == []

@@ -5,9 +5,9 @@ what a killed one left behind and takes it away.
 """
 
 import os
+import secrets
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
@@ -21,19 +21,24 @@ if sys.platform != "win32":
 def workplace(parent: Path, name: str) -> Iterator[Path]:
     """A new hidden folder in ``parent`` for the target ``name``, which is gone afterwards with all that is in it."""
     prefix = f".{name}.wct-"
-    with _locked(parent, wait=True) as alone:
-        if alone:
-            for old in parent.glob(f"{escape(prefix)}????????"):
-                with _locked(old, wait=False) as unused:
-                    if unused:
-                        shutil.rmtree(old, ignore_errors=True)
-        work = Path(tempfile.mkdtemp(dir=parent, prefix=prefix))
-        held = _hold(work, wait=True)
+    work: Path | None = None
+    held = None
     try:
+        with _locked(parent, wait=True) as alone:
+            if alone:
+                for old in parent.glob(f"{escape(prefix)}????????"):
+                    with _locked(old, wait=False) as unused:
+                        if unused:
+                            shutil.rmtree(old, ignore_errors=True)
+            while work is None or work.exists():  # named before it is there: whatever interrupts, it is taken away
+                work = parent / f"{prefix}{secrets.token_hex(4)}"
+            work.mkdir(mode=0o700)
+            held = _hold(work, wait=True)
         yield work
     finally:
         # What is raised here is the body's own exception, which matters more than a rest that cannot be removed.
-        shutil.rmtree(work, ignore_errors=True)
+        if work is not None:
+            shutil.rmtree(work, ignore_errors=True)
         if held is not None:
             os.close(held)
 

@@ -37,7 +37,7 @@ def measure_fidelity(
             name: measure_deviation(after[name], one, compiled=True).to_dict(diagonal) if name in after else None
             for name, one in before.items()
         },
-        "volumes": _volumes(old, new, enclosed or {}),
+        "volumes": measure_volumes(old, new, enclosed or {}),
     }
 
 
@@ -102,7 +102,8 @@ def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
     return out
 
 
-def _volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Quantity]:
+def measure_volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Quantity]:
+    """Of each region, by tag; ``enclosed``: what it was, where that is not the old mesh's."""
     of_old = quality.volumes(old.points, old.tets)
     of_new = of_old if new is old else quality.volumes(new.points, new.tets)
     out: dict[str, Quantity] = {}

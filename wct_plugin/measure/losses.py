@@ -52,16 +52,7 @@ def find_losses(
     for name, phrase in beyond(kept, allowed, names).items():
         kind = "interface" if name else "deviation"
         out.append(_loss(kind, name, 0.0, far[name], allowed, f"{phrase}; the tolerance is {allowed:.2e}"))
-    for tag, volume in kept["volumes"].items():
-        if abs(volume["change"]) > CHANGE:
-            what = "the volume" if len(kept["volumes"]) == 1 else f"the volume of region {label(tag, names)}"
-            out.append(_changed("volume", tag, volume, what))
-    for name, size in groups.items():
-        if not size["after"] and size["before"]:
-            text = f"{name} is lost" if name.startswith("interface ") else f"the group {name} is lost"
-            out.append(_loss("group", name, size["before"], 0.0, size["before"], text))
-        elif abs(size["change"]) > CHANGE:
-            out.append(_changed("group", name, size, f"the size of {name}"))
+    out += find_changes(kept["volumes"], groups, names)
     if sharp and sharp["after"] > sharp["allowed"] and not allow_released:
         text = (
             f"edges that bend more than the crease angle are {sharp['after']:.4g} long, {sharp['before']:.4g} before;"
@@ -79,6 +70,24 @@ def find_losses(
         before, after = sides["before"], sides["after"]
         text = f"{before} pairs of periodic sides matched, vertex for vertex; {after} do now"
         out.append(_loss("periodic", "", float(before), float(after), float(before), text))
+    return out
+
+
+def find_changes(
+    volumes: Mapping[str, Quantity], groups: Mapping[str, Quantity], names: Mapping[str, str]
+) -> list[Loss]:
+    """The regions, by tag, and groups whose size is another than allowed; ``names``: of regions, by tag."""
+    out: list[Loss] = []
+    for tag, volume in volumes.items():
+        if abs(volume["change"]) > CHANGE:
+            what = "the volume" if len(volumes) == 1 else f"the volume of region {label(tag, names)}"
+            out.append(_changed("volume", tag, volume, what))
+    for name, size in groups.items():
+        if not size["after"] and size["before"]:
+            text = f"{name} is lost" if name.startswith("interface ") else f"the group {name} is lost"
+            out.append(_loss("group", name, size["before"], 0.0, size["before"], text))
+        elif abs(size["change"]) > CHANGE:
+            out.append(_changed("group", name, size, f"the size of {name}"))
     return out
 
 

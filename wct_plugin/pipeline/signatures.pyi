@@ -31,6 +31,7 @@ class _Filters:
         surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
         between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners. Vertices
         shared with other cells, and those of the sets RequiredTriangles and RequiredEdges, stay.
+        Volumes of regions and sizes of tagged groups that change by more than .5 % are among the losses, and no success.
         The metrics say which tets miss the goal, and what in the connectivity or the boundary provably rules it out.
 
         Parameters
@@ -671,6 +672,7 @@ def apply_filter(
     surface that came in, and the facets between them, where it is curved, within the tolerance of it. Interfaces
     between regions and tagged facets count as boundary; tagged edges as creases, tagged vertices as corners. Vertices
     shared with other cells, and those of the sets RequiredTriangles and RequiredEdges, stay.
+    Volumes of regions and sizes of tagged groups that change by more than .5 % are among the losses, and no success.
     The metrics say which tets miss the goal, and what in the connectivity or the boundary provably rules it out.
 
     Parameters

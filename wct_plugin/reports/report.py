@@ -310,7 +310,7 @@ def _notes(
         describe_joints(joints),
         "the mesh meets the goal already; it stays as it is (--force makes it anew)" if found.get("kept") else "",
         shape_floor.describe(found["shape"]) if "shape" in found else "",
-        fidelity.describe(found["volumes"], found["interfaces"], names) if "volumes" in found else "",
+        fidelity.describe(found["volumes"], found.get("interfaces", {}), names) if "volumes" in found else "",
         released_creases.describe(found["released"]) if "released" in found else "",
         pinned.describe(found["pinned"]) if "pinned" in found else "",
         planes.describe(found["planes"]) if found.get("planes") else "",
