@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -332,6 +333,48 @@ TEST_CASE("Operators: no edge and no facet is made that is there already, where 
     Bench closed(body_of(four, more));
     CHECK(open.operators.remove_edge(0, 1, kInfinity));
     CHECK_FALSE(closed.operators.remove_edge(0, 1, kInfinity));
+}
+
+TEST_CASE("SearchEnergy: a tet whose clearance is just what is asked for counts as short of it") {
+    // The corner of a cube: right angles are exactly 0 here.
+    Bench bench(cube(1, 0.0, 1));
+    const Tet tet = bench.complex.tet(0);
+    search::SearchForm form = search_form();
+    form.clearance = form.hard_clearance = 0.0;
+    form.count = form.hard_count = 0.0;
+    const double smooth = search::SearchEnergy(form).of_present(bench.complex, tet);
+    form.count = 0.25;
+    form.hard_count = 0.5;
+    CHECK(search::SearchEnergy(form).of_present(bench.complex, tet) == doctest::Approx(smooth + 0.75).epsilon(1e-14));
+    form.clearance = -0.5; // beyond that it is clear of it, though not of the other
+    CHECK(search::SearchEnergy(form).of_present(bench.complex, tet) == doctest::Approx(smooth + 0.5).epsilon(1e-14));
+}
+
+TEST_CASE("Operators: an insertion on the surface stops at creases, also those with one patch on both sides") {
+    Body body = cut_ball(4, 0.2, 9);
+    std::fill(body.patch.begin(), body.patch.end(), 0);
+    body.sides.resize(1);
+    for (std::size_t k = 0; k < body.points.size(); ++k)
+        if (body.stratum[k] == Stratum::patch)
+            body.label[k] = 0;
+    Bench bench(body, kTolerance);
+    int done = 0, beside = 0;
+    for (const auto &[key, patch] : bench.complex.sorted_surface())
+        for (int k = 0; k < 3; ++k) {
+            const int a = key[k], b = key[(k + 1) % 3], c = key[(k + 2) % 3];
+            if (bench.complex.curve_of(a, b) < 0)
+                continue;
+            const Vec3 near = 0.45 * (bench.complex.point(a) + bench.complex.point(b)) + 0.1 * bench.complex.point(c);
+            bench.complex.mark();
+            if (bench.operators.insert_on_surface(key, near, kInfinity)) {
+                CHECK(bench.complex.curve_of(a, b) >= 0);
+                ++done;
+            }
+            bench.complex.rollback();
+            ++beside;
+        }
+    REQUIRE(beside > 20);
+    CHECK(done > beside / 3);
 }
 
 } // namespace wct::tests

@@ -109,4 +109,21 @@ TEST_CASE("SurfaceBalance: flat ends of a cylinder get their area, and stay flat
     CHECK(fault(bench.complex) == "");
 }
 
+TEST_CASE("SurfaceBalance: a vertex alone on its curved patch has no neighbours to be evened with") {
+    Body whole = ball(2, 0.0, 1);
+    const auto top = [](const Vec3 &middle, const Vec3 &) { return middle.z > 0.75 ? 0 : 1; };
+    Body body = stratified(whole.points, whole.tets, whole.regions, top);
+    body.size = whole.size;
+    Bench bench(body, 0.05);
+    std::vector<int> alone;
+    for (std::size_t k = 0; k < body.points.size(); ++k)
+        if (body.points[k].z > 0.75 && body.stratum[k] == Stratum::patch)
+            alone.push_back(static_cast<int>(k));
+    REQUIRE(alone.size() == 1);
+    REQUIRE_FALSE(bench.guide.planar(body.label[static_cast<std::size_t>(alone[0])]));
+    search::SurfaceBalance(bench.complex, bench.energy, bench.guide, bench.descent, {}).run();
+    CHECK(norm(bench.complex.point(alone[0]) - body.points[static_cast<std::size_t>(alone[0])]) <= 0.05);
+    CHECK(fault(bench.complex) == "");
+}
+
 } // namespace wct::tests
