@@ -23,9 +23,13 @@ def test_effort_multiplies_all():
 
 
 def test_between_planes_it_is_more_evaluations():
-    curved, half, planar = (WorkLimit(10_000, effort=2, planar=share).left for share in (0.0, 0.5, 1.0))
-    assert half == (curved + planar) / 2
-    assert 1.5 < planar / curved < 2.0  # as many times as many take a microsecond, about
+    limit = WorkLimit(10_000, effort=2)
+    left = []
+    for planar in (0.0, 0.5, 1.0):
+        limit.begin_with(10_000, planar)
+        left.append(limit.left)
+    assert left[1] == pytest.approx((left[0] + left[2]) / 2)
+    assert 1.5 < left[2] / left[0] < 2.0  # as many times as many take a microsecond, about
 
 
 def test_it_is_reached_only_where_tets_are_stuck():
@@ -46,8 +50,8 @@ def test_what_begins_anew_has_all_of_it_again():
 
 
 def test_where_it_ends_a_search_the_goal_says_so(monkeypatch):
-    monkeypatch.setattr(work_limit, "_BASE_PLANAR", 1_000)
-    monkeypatch.setattr(work_limit, "_PER_TET_PLANAR", 0)
+    monkeypatch.setattr(work_limit, "_BASE", 1_000)
+    monkeypatch.setattr(work_limit, "_PER_TET", 0)
     result = (wct.Reader(jittered_cube(2)) | wct.Filter.meshing_well_centered()).execute()
     (goal,) = result.goals
     assert goal.exhausted
@@ -57,7 +61,7 @@ def test_where_it_ends_a_search_the_goal_says_so(monkeypatch):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_same_work_gives_the_same_mesh(seed, monkeypatch):
-    monkeypatch.setattr(work_limit, "_BASE_PLANAR", 5_000_000)
+    monkeypatch.setattr(work_limit, "_BASE", 5_000_000)
     one, other = (wct.apply_filter("meshing_well_centered", jittered_cube(2), seed=seed)[0] for _ in range(2))
     assert np.array_equal(one.points, other.points)
     assert np.array_equal(one.tets, other.tets)

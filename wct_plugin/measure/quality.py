@@ -430,11 +430,11 @@ def _acute(corners: Floats) -> Bools:
 def _keep_to_flags(floats: Floats, flags: Bools) -> None:
     """Put the smallest h/R and the largest angles of :func:`measure` on their flag's side, which rounding may miss.
 
-    So is what is no number, as of a tet that is flat in all digits but one.
+    So is what is no number of a tet whose flag holds, as one that is flat in all digits but one.
     """
     for row, flag in ((3, flags[1]), (5, flags[2])):
-        floats[row] = np.where(flag, np.fmin(floats[row], _ACUTE), np.fmax(floats[row], 90.0))
-    floats[0] = np.where(flags[0], np.fmax(floats[0], _POSITIVE), np.fmin(floats[0], 0.0))
+        floats[row] = np.where(flag, np.fmin(floats[row], _ACUTE), np.maximum(floats[row], 90.0))
+    floats[0] = np.where(flags[0], np.fmax(floats[0], _POSITIVE), np.minimum(floats[0], 0.0))
 
 
 def _extremes(angles: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:

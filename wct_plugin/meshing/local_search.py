@@ -10,7 +10,7 @@ from wct_plugin.core.requests import ResampleOptions, SearchOptions
 from wct_plugin.core.results import ResampleResult, SearchResult
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
-from wct_plugin.meshing.followed_surface import enclosed_volumes
+from wct_plugin.meshing.followed_surface import enclosed_volumes, planar_share
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.phase_progress import Listener
@@ -35,14 +35,14 @@ _FINER_HELD = 2  #: the same beside facets that are held
 #: on both sides, a start of nearly even size comes right oftener than one whose lattice changes from cell to cell.
 _SHARES = (1.0, 1.0, 0.6)
 _AT_INTERFACES = 0.8
-#: Where more than this share of a start's tets is stuck, its search goes on before another start is made, which takes
-#: longer, has more tets, and comes right no oftener: that of the first start of a body of one region for so many times
-#: its worth, at most for a part of the work that is left.
+#: Where more than this share of the first start's tets is stuck, its search goes on for so many times its worth, at
+#: most for a part of the work that is left: another start has more tets, and comes right no oftener.
 _FEW_STUCK = 0.002
 _PATIENCE = 6.0
 _PATIENT = 0.4
-#: At interfaces it goes on with all that is left, as ever fewer are stuck and shorter edges do not help, unless so many
-#: are that there are too few points.
+#: At interfaces, from so many tets on, the search of any start that is the best so far goes on with all that is left:
+#: ever fewer are stuck, and shorter edges do not help, unless so many are stuck that there are too few points.
+_SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
@@ -190,7 +190,8 @@ class LocalSearch:
         stays, and creases that it gave up stay so. What that may cost counts from here: where pairs of sides are to
         match, one such search follows another.
         """
-        self.work.begin_with(len(start.tets))
+        several = len(on.regions) > 1 and len(start.tets) >= _SEVERAL_TETS
+        self.work.begin_with(len(start.tets), planar_share(on) if several else 0.0)
         tried, finer = [], ShorterEdges.nowhere()
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         worth, part = self.worth, 1.0
@@ -202,9 +203,9 @@ class LocalSearch:
             if not len(found.stuck) or self.listen.stopped or last or not self.work.left:
                 return tried
             fewest = best(tried)
-            if self._goes_on(on, tried):
-                start, gone, worth = fewest.mesh, fewest.released, _PATIENCE * self.worth
-                part = _PATIENT if len(on.regions) == 1 else 1.0
+            more = self._more_of(on, tried) if worth == self.worth else None
+            if more is not None:
+                start, gone, (worth, part) = fewest.mesh, fewest.released, more
                 continue
             worth, part = self.worth, 1.0
             free = self._free(fewest)
@@ -223,13 +224,13 @@ class LocalSearch:
                 last, worth, again, gone = True, np.inf, fewest.mesh, fewest.released
             start = again
 
-    @staticmethod
-    def _goes_on(on: Reference, tried: list[SearchResult]) -> bool:
-        """Whether the search from the last start goes on."""
-        stuck = len(tried[-1].stuck) / len(tried[-1].mesh.tets)
-        if len(on.regions) == 1:
-            return len(tried) == 1 and stuck > _FEW_STUCK
-        return _FEW_STUCK < stuck <= _MANY_STUCK and tried[-1] is best(tried)
+    def _more_of(self, on: Reference, tried: list[SearchResult]) -> tuple[float, float] | None:
+        """With what worth and part of the work the search from the last start goes on; None where it does not."""
+        last = tried[-1]
+        stuck = len(last.stuck) / len(last.mesh.tets)
+        if len(on.regions) > 1 and len(last.mesh.tets) >= _SEVERAL_TETS:
+            return (np.inf, 1.0) if _FEW_STUCK < stuck <= _MANY_STUCK and last is best(tried) else None
+        return (_PATIENCE * self.worth, _PATIENT) if len(tried) == 1 and stuck > _FEW_STUCK else None
 
     def _partial_restart(
         self,

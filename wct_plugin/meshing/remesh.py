@@ -13,7 +13,7 @@ from wct_plugin.measure.planes import PlaneCount
 from wct_plugin.measure.quality import Quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.meshing import planes, required_cells, search_mesh
-from wct_plugin.meshing.followed_surface import outer, planar_share
+from wct_plugin.meshing.followed_surface import outer
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.judgement import Found
 from wct_plugin.meshing.local_search import LocalSearch, best, ranked
@@ -52,7 +52,7 @@ def remesh(
         given.warn_of_thin_walls(follow.tolerance)
     listen = Listener(progress, bad)
     limit = TetLimit(options.max_tets, len(mesh.tets), listen)
-    allowed = WorkLimit(len(mesh.tets), options.effort, planar_share(follow.surface))
+    allowed = WorkLimit(len(mesh.tets), options.effort)
     follow, tried = _search(follow, options, wanted, listen, limit, allowed)
     work: Metrics = {name: sum(getattr(one, name) for one in tried) for name in ("passes", "kicks", "evaluations")}
     work |= {"stopped": listen.stopped, "kept": False, "planes": follow.planes, "estimate": limit.expected}
@@ -191,9 +191,9 @@ def _search(
         if fresh is not None:
             tried = search.run_finer(fresh, follow.surface, follow.within, lengths)
             return follow, _with_pairs(follow, search, tried)
+    follow = follow.on_own(options)
     if listen.stopped:
         return follow, []
-    follow = follow.on_own(options)
     start = _own_start(follow, options, wanted, listen, limit)
     if listen.stopped or not limit.takes(len(start.tets)):
         return follow, []

@@ -5,7 +5,7 @@
 #: all together ends within some 5 s and 5 ms per tet of CPU time.
 _BASE = 75_000_000
 _PER_TET = 42_000
-#: The same where all the surface is planar.
+#: The same where all the surface is planar, and a search goes on to the end.
 _BASE_PLANAR = 85_000_000
 _PER_TET_PLANAR = 75_000
 #: What making a start costs, in evaluations per tet of it.
@@ -15,22 +15,25 @@ _START = 1_500
 class WorkLimit:
     """What searches and their starts may cost together, and have cost since :meth:`begin_with`."""
 
-    def __init__(self, tets: int, effort: int, planar: float = 0.0) -> None:
-        """Begin; ``tets`` of the input, the share of the surface that is ``planar``."""
+    def __init__(self, tets: int, effort: int) -> None:
+        """Begin; ``tets`` of the input."""
         self._tets = tets
-        self._base = effort * (_BASE + planar * (_BASE_PLANAR - _BASE))
-        self._per_tet = effort * (_PER_TET + planar * (_PER_TET_PLANAR - _PER_TET))
+        self._effort = effort
+        self._planar = 0.0
         self._spent = 0
         self.reached = False  #: whether a search or a start was cut off
 
     @property
     def left(self) -> int:
         """Evaluations that are left."""
-        return max(0, int(self._base + self._per_tet * self._tets) - self._spent)
+        base = _BASE + self._planar * (_BASE_PLANAR - _BASE)
+        per_tet = _PER_TET + self._planar * (_PER_TET_PLANAR - _PER_TET)
+        return max(0, int(self._effort * (base + per_tet * self._tets)) - self._spent)
 
-    def begin_with(self, tets: int) -> None:
-        """Count anew, from a start of so many tets."""
+    def begin_with(self, tets: int, planar: float = 0.0) -> None:
+        """Count anew, from a start of so many tets; the share of the surface that is ``planar``, where that counts."""
         self._spent = 0
+        self._planar = planar
         self.add_start(tets)
 
     def add_start(self, tets: int) -> None:
