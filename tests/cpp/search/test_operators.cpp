@@ -377,4 +377,34 @@ TEST_CASE("Operators: an insertion on the surface stops at creases, also those w
     CHECK(done > beside / 3);
 }
 
+TEST_CASE("Operators: no facet turns by more than 37 degrees in a collapse, however wide the tolerance") {
+    Bench bench(ball(4, 0.2, 7), 0.6);
+    int done = 0, refused = 0;
+    std::vector<search::TetComplex::SurfaceAt> facets;
+    for (const auto &[edge, patch] : bench.complex.sorted_surface())
+        for (int k = 0; k < 3; ++k) {
+            const int a = edge[k], b = edge[(k + 1) % 3];
+            bench.complex.surface_at(a, facets);
+            std::vector<std::pair<Facet, Vec3>> before;
+            for (const auto &at : facets)
+                if (std::find(at.key.begin(), at.key.end(), b) == at.key.end())
+                    before.emplace_back(at.key, unit(normal_of(bench.complex.corners(at.key))));
+            bench.complex.mark();
+            if (bench.operators.collapse(a, b, kInfinity)) {
+                for (auto [key, was] : before) {
+                    std::replace(key.begin(), key.end(), a, b); // winds as it did
+                    const Vec3 is = unit(normal_of(
+                        {bench.complex.point(key[0]), bench.complex.point(key[1]), bench.complex.point(key[2])}));
+                    CHECK(dot(was, is) >= 0.8 * (1.0 - 1e-12));
+                }
+                ++done;
+            } else {
+                ++refused;
+            }
+            bench.complex.rollback();
+        }
+    CHECK(done > 20);
+    CHECK(refused > 20);
+}
+
 } // namespace wct::tests
