@@ -30,7 +30,7 @@ BUILD = WORK / "build"
 #: The same with what else CI runs the tests under: what the first leaves is looked at by this one.
 SANITIZED = WORK / "sanitized"
 FLAGS = {
-    BUILD: "-O1 -DWCT_BASELINE",
+    BUILD: "-O1 -DWCT_BASELINE -D_GLIBCXX_ASSERTIONS",
     SANITIZED: "-O1 -DWCT_BASELINE -fsanitize=address,undefined -fno-sanitize-recover=all",
 }
 
