@@ -160,11 +160,12 @@ def prepare() -> float:
 
 
 class Seen:
-    """What is known of the changes drawn, kept in a file from run to run as long as sources and tests are the same."""
+    """What is known of the changes drawn, kept in a file as long as sources, tests and builds are the same."""
 
     def __init__(self, seed: int, drawn: list[Change]) -> None:
         sources = sorted((SOURCE / "cpp").rglob("*.[ch]*")) + sorted((SOURCE / "tests" / "cpp").rglob("*.[ch]*"))
-        digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]
+        known = [str(FLAGS).encode(), *(path.read_bytes() for path in sources)]
+        digest = hashlib.sha256(b"".join(known)).hexdigest()[:12]
         self._file = WORK / f"seen_{seed}_{digest}.json"
         self._seed, self._drawn = seed, drawn
         #: By the number of the change: the test that notices; "": none does; None: it does not compile.

@@ -5,7 +5,7 @@ import numpy as np
 from wct_plugin.measure.conserved import group_names
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
-from wct_plugin.mesh.triangle_surfaces import areas
+from wct_plugin.mesh.triangle_surfaces import areas, normals
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Floats
 
@@ -47,12 +47,10 @@ def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
 
 def planar_share(on: Reference) -> float:
     """The share of its area that is in planar patches."""
-    triangles, patch, count = on.strata.triangles, on.strata.patch, len(on.sides)
-    corners = on.points[triangles]
-    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = np.column_stack([np.bincount(patch, axis, minlength=count) for axis in vectors.T])
+    vectors = normals(on.points, on.strata.triangles) / 2.0
+    sums = [np.bincount(on.strata.patch, axis, minlength=len(on.sides)) for axis in vectors.T]
     area = _patch_areas(on)
-    planar = np.linalg.norm(sums, axis=1) > _PLANAR * area
+    planar = np.linalg.norm(sums, axis=0) > _PLANAR * area
     return float(area[planar].sum() / area.sum())
 
 

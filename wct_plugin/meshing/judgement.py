@@ -123,6 +123,9 @@ def judge(
 def _sides(old: TetMesh, new: TetMesh) -> dict[str, int] | None:
     """How many pairs of sides are translates of each other, other than by nothing; None where none was."""
     unit = unit_scaling.exponent(old.points)
-    found = [find_periodic(unit_scaling.scaled(one, -unit)) for one in ([old] if new is old else [old, new])]
-    before, after = (sum(bool(pair.translation.any()) for pair in pairs) for pairs in (found[0], found[-1]))
-    return {"before": before, "after": after} if before else None
+
+    def count(mesh: TetMesh) -> int:
+        return sum(bool(pair.translation.any()) for pair in find_periodic(unit_scaling.scaled(mesh, -unit)))
+
+    before = count(old)
+    return {"before": before, "after": before if new is old else count(new)} if before else None

@@ -107,8 +107,9 @@ def list_remaining(
         for tet in reason.tets:
             proofs.setdefault(tet, reason)
     proven = np.isin(bad, list(proofs))
-    if stopped or needed:
-        options = [f"max_tets={needed}" if needed and not stopped else "more time: it was stopped"] * len(bad)
+    all_alike = "more time: it was stopped" if stopped else f"max_tets={needed}" if needed else ""
+    if all_alike:
+        options = [all_alike] * len(bad)
     else:
         advice = _Advice(mesh, of, boundary, crease_angle, connectivity, dual=dual)
         options = [advice.option(*one) for one in zip(bad.tolist(), place.tolist(), strict=True)]
