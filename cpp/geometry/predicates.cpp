@@ -90,8 +90,6 @@ class Integer {
     friend Integer operator*(const Integer &x, const Integer &y) {
         Integer out;
         out.negative_ = x.negative_ != y.negative_;
-        if (x.sign() == 0 || y.sign() == 0)
-            return out;
         out.digits_.zero(x.digits_.size() + y.digits_.size());
         for (int i = 0; i < x.digits_.size(); ++i) {
             std::uint64_t carry = 0;

@@ -52,10 +52,10 @@ class Inspection {
     /// What the tets that went were at has others there.
     void gone(const Tet &tet) const {
         for (const auto &f : kFacets)
-            if (complex_.patch_of(tet[f[0]], tet[f[1]], tet[f[2]]) >= 0)
+            if (complex_.is_surface(tet[f[0]], tet[f[1]], tet[f[2]]))
                 surface_facet(sorted(tet[f[0]], tet[f[1]], tet[f[2]]));
         for (const auto &e : kEdges)
-            if (complex_.curve_of(tet[e[0]], tet[e[1]]) >= 0)
+            if (complex_.is_crease(tet[e[0]], tet[e[1]]))
                 crease(sorted(tet[e[0]], tet[e[1]]));
     }
 
@@ -89,7 +89,7 @@ class Inspection {
             }
         expect(others <= 1, "more than two tets at facet", {}, key);
         if (others == 0 || complex_.region(other) != complex_.region(t))
-            expect(complex_.patch_of(a, b, c) >= 0, "not in the surface map: facet", {}, key);
+            expect(complex_.is_surface(a, b, c), "not in the surface map: facet", {}, key);
         if (others == 0 || !two_sided_)
             return;
         int apex = -1;

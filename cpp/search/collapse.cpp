@@ -43,7 +43,7 @@ bool Operators::collapse_links(int a, int b, const Ring &ring) const {
     std::set_intersection(on_a.begin(), on_a.end(), on_b.begin(), on_b.end(), std::back_inserter(shared));
     std::size_t at_edge = 0;
     for (int v : ring.link)
-        at_edge += complex_.patch_of(a, b, v) >= 0;
+        at_edge += complex_.is_surface(a, b, v);
     return shared.size() == at_edge;
 }
 
@@ -54,7 +54,7 @@ bool Operators::collapses_along_surface(int a, int b) {
     if (complex_.vertex(b).stratum < gone.stratum || !ring(a, b, ring_))
         return false;
     const bool along =
-        std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(a, b, v) >= 0; });
+        std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.is_surface(a, b, v); });
     return along && collapse_links(a, b, ring_);
 }
 
@@ -91,7 +91,7 @@ bool Operators::pull_facets(int a, int b) {
         const Vec3 is = normal_of(complex_.corners(facet));
         if (dot(was, is) < turn * norm(was) * norm(is))
             return false;
-        if (complex_.patch_of(facet[0], facet[1], facet[2]) >= 0)
+        if (complex_.is_surface(facet[0], facet[1], facet[2]))
             return false; // two sheets would become one
         watch_.comes(sorted(facet), at.facet->patch);
     }
@@ -102,12 +102,12 @@ std::optional<Edge> Operators::join_creases(int a, int b) const {
     std::optional<Edge> joined;
     for (int t : complex_.star(a))
         for (int v : complex_.tet(t))
-            if (v != a && v != b && complex_.curve_of(a, v) >= 0) {
+            if (v != a && v != b && complex_.is_crease(a, v)) {
                 if (joined && *joined != sorted(b, v))
                     return std::nullopt; // other creases meet at a: their edges would be left without it
                 joined = sorted(b, v);
             }
-    if (!joined || complex_.curve_of((*joined)[0], (*joined)[1]) >= 0 ||
+    if (!joined || complex_.is_crease((*joined)[0], (*joined)[1]) ||
         !guide_.allows_crease(complex_.vertex(a).label, complex_.point((*joined)[0]), complex_.point((*joined)[1])))
         return std::nullopt;
     return joined;

@@ -64,9 +64,9 @@ std::vector<int> CreaseRelease::near(const std::vector<int> &bad, const std::vec
 }
 
 void CreaseRelease::release(const std::vector<int> &curves) {
-    std::vector<std::uint8_t> gone(surface_.loose.size(), 0);
+    std::vector<std::uint8_t> gone(surface_.loose.size(), false);
     for (const int c : curves)
-        gone[c] = 1;
+        gone[c] = true;
     released_.insert(released_.end(), curves.begin(), curves.end());
     std::sort(released_.begin(), released_.end());
 

@@ -67,7 +67,7 @@ double Operators::choose_triangles(Fan &fan) {
 bool Operators::plan(Fan &fan, int a, int b, double limit) {
     const int n = fan.corners();
     fan.pair.assign(static_cast<std::size_t>(n) * n * n, kInfinity);
-    fan.wanted.assign(static_cast<std::size_t>(n) * n, 0);
+    fan.wanted.assign(static_cast<std::size_t>(n) * n, false);
     candidates_.clear();
     pairs_.clear();
     add_triangles(fan, a, b, 0, n - 1);
@@ -75,7 +75,7 @@ bool Operators::plan(Fan &fan, int a, int b, double limit) {
         return false;
     for (int k = 1; k < n - 1; ++k)
         if (fan.pair[fan.triangle(0, k, n - 1)] < kInfinity)
-            fan.wanted[k] = fan.wanted[k * n + n - 1] = 1;
+            fan.wanted[k] = fan.wanted[k * n + n - 1] = true;
     for (int length = n - 2; length >= 2; --length)
         for (int i = 0; i + length < n; ++i) {
             const int j = i + length;
@@ -83,7 +83,7 @@ bool Operators::plan(Fan &fan, int a, int b, double limit) {
                 continue;
             add_triangles(fan, a, b, i, j);
             for (int k = i + 1; k < j; ++k)
-                fan.wanted[i * n + k] = fan.wanted[k * n + j] = 1;
+                fan.wanted[i * n + k] = fan.wanted[k * n + j] = true;
         }
     measure_triangles(fan, limit);
     return choose_triangles(fan) < limit;
@@ -170,12 +170,12 @@ bool Operators::flips_surface(int a, int b, int r, int s, int patch) {
 bool Operators::cut_ear(int a, int b, double slack) {
     const int t = ring_.tets[0], r = ring_.link[0], s = ring_.link[1];
     const int patch = complex_.patch_of(a, b, r);
-    if (!flip_surface || patch < 0 || fixes(patch) || complex_.patch_of(a, b, s) != patch ||
-        complex_.curve_of(r, s) >= 0 || !beyond(a, b, r, s))
+    if (!flip_surface || patch < 0 || fixes(patch) || complex_.patch_of(a, b, s) != patch || complex_.is_crease(r, s) ||
+        !beyond(a, b, r, s))
         return false;
     // With an edge inside between r and s, and so tets behind both facets, no vertex is lost and nothing pinches.
     if (!ring(r, s, ring_) || !ring_.closed ||
-        std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.patch_of(r, s, v) >= 0; }))
+        std::any_of(ring_.link.begin(), ring_.link.end(), [&](int v) { return complex_.is_surface(r, s, v); }))
         return false;
     if (!allows_swap(a, b, r, s, patch) ||
         !(energy_.form().over_weight * watch_.cost(nullptr) < complex_.energy(t) + slack))
@@ -243,7 +243,7 @@ bool Operators::plan_all(std::span<Fan> fans, int a, int b, double limit) {
 }
 
 bool Operators::remove_edge(int a, int b, double slack) {
-    if (complex_.curve_of(a, b) >= 0 || !ring(a, b, ring_))
+    if (complex_.is_crease(a, b) || !ring(a, b, ring_))
         return false;
     const std::size_t n = ring_.link.size();
     if (n == 2)
@@ -279,7 +279,7 @@ bool Operators::flip_23(int t, int i, double slack) {
     const Tet tet = complex_.tet(t);
     const int b = tet[i];
     const auto [x, y, z] = inward_facet(tet, i); // winds towards b
-    if (complex_.patch_of(x, y, z) >= 0)
+    if (complex_.is_surface(x, y, z))
         return false;
     const int s = complex_.across(t, x, y, z);
     if (s < 0 || !has_room(2, 3))

@@ -14,8 +14,6 @@ namespace {
 /// Whether x lies in the smallest sphere through a facet's corners.
 bool in_facet_sphere(const std::array<Vec3, 3> &f, const Vec3 &x) {
     const Vec3 u = f[1] - f[0], v = f[2] - f[0], n = cross(u, v);
-    if (!(dot(n, n) > 0.0))
-        return true;
     const Vec3 r = geometry::to_circumcenter(u, v, n);
     const Vec3 d = x - f[0] - r;
     return dot(d, d) < dot(r, r);
@@ -28,8 +26,6 @@ bool Operators::in_circumsphere(int t, const Vec3 &x) const {
     const Vec3 &o = complex_.point(tet[0]);
     const Vec3 u = complex_.point(tet[1]) - o, v = complex_.point(tet[2]) - o, w = complex_.point(tet[3]) - o;
     const double det = dot(u, cross(v, w));
-    if (det <= 0.0)
-        return false;
     const Vec3 r = geometry::to_circumcenter(u, v, w, det);
     const Vec3 d = x - o - r;
     return dot(d, d) < dot(r, r);
@@ -42,7 +38,7 @@ bool Operators::grow_cavity(const Vec3 &x, const std::vector<Facet> &open) {
         const Tet tet = complex_.tet(cavity_[k]);
         for (int i = 0; i < 4; ++i) {
             const auto [p, q, r] = inward_facet(tet, i);
-            const int s = complex_.patch_of(p, q, r) >= 0 ? -1 : complex_.across(cavity_[k], p, q, r);
+            const int s = complex_.is_surface(p, q, r) ? -1 : complex_.across(cavity_[k], p, q, r);
             if (s < 0 || in_cavity(s) || !in_circumsphere(s, x))
                 continue;
             cavity_.push_back(s);
@@ -62,7 +58,7 @@ bool Operators::carve_cavity(const Vec3 &x, const std::vector<Facet> &open, std:
             const Vec3 normal = cross(complex_.point(q) - o, complex_.point(r) - o);
             if (dot(normal, complex_.point(tet[i]) - o) * dot(normal, x - o) > 0.0)
                 continue;
-            const bool surface = complex_.patch_of(p, q, r) >= 0;
+            const bool surface = complex_.is_surface(p, q, r);
             if (surface && std::find(open.begin(), open.end(), sorted(p, q, r)) != open.end())
                 continue;
             const int s = surface ? -1 : complex_.across(t, p, q, r);
@@ -98,12 +94,12 @@ bool Operators::cone_cavity(int v, const std::vector<Facet> &open, double slack)
         inside.insert(inside.end(), tet.begin(), tet.end());
         for (int i = 0; i < 4; ++i)
             for (int k = 0; k < i; ++k)
-                if (complex_.curve_of(tet[i], tet[k]) >= 0)
+                if (complex_.is_crease(tet[i], tet[k]))
                     creases.push_back({tet[i], tet[k]});
         for (int i = 0; i < 4; ++i) {
             const auto [p, q, r] = inward_facet(tet, i);
             const Facet key = sorted(p, q, r);
-            if (complex_.patch_of(p, q, r) >= 0) {
+            if (complex_.is_surface(p, q, r)) {
                 if (std::find(open.begin(), open.end(), key) != open.end())
                     continue;
             } else if (const int s = complex_.across(t, p, q, r); s >= 0 && in_cavity(s)) {
@@ -194,7 +190,7 @@ std::vector<Edge> Operators::grow_opening(const Vec3 &x, int patch, std::vector<
         for (int i = 0; i < 3; ++i) {
             const Edge edge = sorted(open[k][i], open[k][(i + 1) % 3]);
             edges.push_back(edge);
-            if (complex_.curve_of(edge[0], edge[1]) >= 0)
+            if (complex_.is_crease(edge[0], edge[1]))
                 continue;
             complex_.surface_at(edge[0], facets_);
             for (const auto &[key, facet] : facets_)
@@ -210,7 +206,7 @@ bool Operators::find_rim(const std::vector<Edge> &edges, const std::vector<Facet
     for (const Edge &edge : edges)
         if (std::count(edges.begin(), edges.end(), edge) == 1)
             rim.push_back(edge);
-        else if (complex_.curve_of(edge[0], edge[1]) >= 0)
+        else if (complex_.is_crease(edge[0], edge[1]))
             return false; // a crease within the patch, all of whose facets would go
     for (const Facet &f : open)
         for (int w : f)

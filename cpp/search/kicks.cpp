@@ -43,7 +43,7 @@ void Kicks::open_wedges(int t) {
         for (int s : complex_.star(c))
             for (const auto &edge : kEdges) {
                 const int a = complex_.tet(s)[edge[0]], b = complex_.tet(s)[edge[1]];
-                if (a == c || b == c || complex_.curve_of(a, c) < 0 || complex_.curve_of(b, c) < 0)
+                if (a == c || b == c || !complex_.is_crease(a, c) || !complex_.is_crease(b, c))
                     continue;
                 const Vec3 p = complex_.point(a) - complex_.point(c), q = complex_.point(b) - complex_.point(c);
                 if (dot(p, q) < acute * norm(p) * norm(q))
@@ -103,7 +103,7 @@ std::optional<int> Kicks::snap(int t) {
     const Tet tet = complex_.tet(t);
     for (const auto &[p, q, r] : kFacets) {
         const Facet key = sorted(tet[p], tet[q], tet[r]);
-        if (complex_.patch_of(tet[p], tet[q], tet[r]) < 0 || complex_.over(key) <= 0.0)
+        if (!complex_.is_surface(tet[p], tet[q], tet[r]) || complex_.over(key) <= 0.0)
             continue;
         const auto peak = operators_.farthest(key);
         if (!peak)

@@ -9,10 +9,10 @@ namespace wct::search {
 namespace {
 
 /// Corners k, l such that (i, j, k, l) is an even permutation.
-constexpr int kRest[4][4][2] = {{{-1, -1}, {2, 3}, {3, 1}, {1, 2}},
-                                {{3, 2}, {-1, -1}, {0, 3}, {2, 0}},
-                                {{1, 3}, {3, 0}, {-1, -1}, {0, 1}},
-                                {{2, 1}, {0, 2}, {1, 0}, {-1, -1}}};
+constexpr int kRest[4][4][2] = {{{}, {2, 3}, {3, 1}, {1, 2}},
+                                {{3, 2}, {}, {0, 3}, {2, 0}},
+                                {{1, 3}, {3, 0}, {}, {0, 1}},
+                                {{2, 1}, {0, 2}, {1, 0}, {}}};
 
 int corner_of(const Tet &tet, int v) {
     int i = 0;
@@ -66,7 +66,7 @@ bool Operators::ring(int a, int b, Ring &ring) const {
         }
     if (ring.closed) // start a ring through an interface at one of its facets
         for (int k = 0; k < count; ++k)
-            if (complex_.patch_of(a, b, from[k]) >= 0) {
+            if (complex_.is_surface(a, b, from[k])) {
                 start = from[k];
                 break;
             }

@@ -107,7 +107,7 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
     std::optional<Facet> chosen;
     int seen = 0;
     for (const auto &[p, q, r] : kFacets)
-        if (complex_.patch_of(tet[p], tet[q], tet[r]) >= 0 && random_.below(++seen) == 0)
+        if (complex_.is_surface(tet[p], tet[q], tet[r]) && random_.below(++seen) == 0)
             chosen = Facet{tet[p], tet[q], tet[r]};
     if (!chosen)
         return std::nullopt;

@@ -39,15 +39,16 @@ void SurfaceBalance::smooth() {
             height[v] = guide_.height(vertex.label, vertex.position);
         }
         for (const int v : curved) {
-            double sum = 0.0, count = 0.0;
+            double sum = 0.0;
+            int count = 0;
             complex_.surface_at(v, around);
             for (const auto &[key, facet] : around)
                 for (const int w : key)
                     if (w != v && complex_.vertex(w).stratum == Stratum::patch) {
                         sum += height[w];
-                        count += 1.0;
+                        ++count;
                     }
-            if (count > 0.0)
+            if (count != 0)
                 shift(v, 0.5 * (sum / count - height[v]));
         }
     }

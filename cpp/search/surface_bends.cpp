@@ -40,7 +40,7 @@ void SurfaceWatch::find_hinges(const std::vector<Piece> &pieces, bool all, std::
             continue;
         for (int k = 0; k < 3; ++k) {
             const int a = piece.key[(k + 1) % 3], b = piece.key[(k + 2) % 3];
-            if (!all && complex_.curve_of(a, b) >= 0)
+            if (!all && complex_.is_crease(a, b))
                 continue;
             std::size_t j = 0;
             int off = -1;

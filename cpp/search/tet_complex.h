@@ -93,6 +93,7 @@ class TetComplex {
     };
     /// Patch of a surface facet, -1 for an interior one.
     int patch_of(int a, int b, int c) const;
+    bool is_surface(int a, int b, int c) const { return surface_facet(a, b, c) != nullptr; }
     /// Surface facets at v, each once.
     struct SurfaceAt {
         Facet key;
@@ -127,6 +128,7 @@ class TetComplex {
     std::array<Vec3, 3> corners(const Facet &key) const { return {point(key[0]), point(key[1]), point(key[2])}; }
     /// Curve of a crease edge, -1 for any other.
     int curve_of(int a, int b) const;
+    bool is_crease(int a, int b) const { return curve_of(a, b) >= 0; }
     const std::unordered_map<Edge, int, KeyHash> &creases() const { return creases_; }
     /// The creases and their curves, in the order of their keys.
     std::vector<std::pair<Edge, int>> sorted_creases() const;

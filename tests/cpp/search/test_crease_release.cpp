@@ -113,4 +113,37 @@ TEST_CASE("CreaseRelease: what stays keeps its number, and its vertices know it"
     CHECK(patches.size() == 3);
 }
 
+TEST_CASE("CreaseRelease: only creases near what is stuck go, in meshes of any size") {
+    for (const double scale : {1.0, 1.0 / 1024.0}) {
+        CAPTURE(scale);
+        const Body stuck = cut_ball(4, 0.2, 3);
+        std::vector<Vec3> points = stuck.points;
+        std::vector<Tet> tets = stuck.tets;
+        // A regular tet beside it, which nothing holds up.
+        const int first = static_cast<int>(points.size());
+        const Vec3 beside{2.5, 0.0, 0.0};
+        constexpr double side = 0.15;
+        for (const Vec3 &p : {Vec3{1.0, 1.0, 1.0}, Vec3{1.0, -1.0, -1.0}, Vec3{-1.0, 1.0, -1.0}, Vec3{-1.0, -1.0, 1.0}})
+            points.push_back(beside + side * p);
+        tets.push_back({first, first + 2, first + 1, first + 3});
+        const std::size_t count = tets.size();
+        Body body = stratified(points, tets, std::vector<int>(count, 0), [](const Vec3 &middle, const Vec3 &normal) {
+            return middle.x > 1.5 ? (normal.z > 0.0 ? 2 : 3) : middle.z > 0.03 ? 0 : 1;
+        });
+        body.size = scale * stuck.size;
+        for (Vec3 &p : body.points)
+            p = scale * p;
+        std::set<int> far;
+        for (std::size_t e = 0; e < body.creases.size(); ++e)
+            if (body.creases[e][0] >= first)
+                far.insert(body.curve[e]);
+        REQUIRE_FALSE(far.empty());
+        const Searched made = searched(start_of(body), body, scale * kTolerance, little(), true);
+        CHECK_FALSE(made.released.empty());
+        for (const int curve : made.released)
+            CHECK_FALSE(far.contains(curve));
+        CHECK(fault(made.complex) == "");
+    }
+}
+
 } // namespace wct::tests

@@ -407,4 +407,74 @@ TEST_CASE("Operators: no facet turns by more than 37 degrees in a collapse, howe
     CHECK(refused > 20);
 }
 
+TEST_CASE("Operators: a hollow that only one tet would fill is not closed by a collapse") {
+    const Body whole = cube(4, 0.3, 21);
+    int hollows = 0;
+    for (std::size_t t = 0; t < whole.tets.size() && hollows < 40; ++t) {
+        const Tet gone = whole.tets[t];
+        if (std::any_of(gone.begin(), gone.end(), [&](int v) { return whole.stratum[v] != Stratum::interior; }))
+            continue;
+        ++hollows;
+        std::vector<Tet> tets = whole.tets;
+        tets.erase(tets.begin() + static_cast<std::ptrdiff_t>(t));
+        const std::size_t count = tets.size();
+        Body body = stratified(whole.points, std::move(tets), std::vector<int>(count, 0),
+                               [](const Vec3 &, const Vec3 &) { return 0; });
+        body.size = whole.size;
+        Bench bench(body, 0.6);
+        for (const int a : gone)
+            for (const int b : gone)
+                if (a != b)
+                    CHECK_FALSE(bench.operators.collapse(a, b, kInfinity));
+    }
+    CHECK(hollows == 40);
+}
+
+TEST_CASE("Operators: a patch of one facet with a crease all round it stays") {
+    const Body round = ball(4, 0.2, 22);
+    int patches = 0;
+    for (std::size_t k = 0; k < round.facets.size(); k += 7) {
+        const auto &[a, b, c] = round.facets[k];
+        const Vec3 middle = (1.0 / 3.0) * (round.points[a] + round.points[b] + round.points[c]);
+        Body body = stratified(round.points, round.tets, round.regions,
+                               [&](const Vec3 &at, const Vec3 &) { return norm(at - middle) < 1e-9 ? 1 : 0; });
+        body.size = round.size;
+        REQUIRE(body.creases.size() == 3);
+        Bench bench(body, 0.6);
+        ++patches;
+        for (const int from : {a, b, c})
+            for (const int to : {a, b, c})
+                if (from != to)
+                    CHECK_FALSE(bench.operators.collapse(from, to, kInfinity));
+    }
+    CHECK(patches > 20);
+}
+
+TEST_CASE("VertexDescent: a vertex that is held, or that went, is not moved") {
+    Body body = ball(4, 0.2, 23);
+    const auto held =
+        static_cast<int>(std::find(body.stratum.begin(), body.stratum.end(), Stratum::patch) - body.stratum.begin());
+    body.stratum[held] = Stratum::corner;
+    body.label[held] = -1;
+    Bench bench(body, 0.3);
+    const Vec3 was = bench.complex.point(held);
+    for (const double by : {1e-3, -1e-3}) {
+        CHECK_FALSE(bench.descent.nudge(held, (1.0 + by) * was));
+        CHECK_FALSE(bench.descent.relax(held, 4));
+    }
+    CHECK(bench.complex.point(held) == was);
+    int went = 0;
+    for (const auto &[key, patch] : bench.complex.sorted_surface()) {
+        if (!bench.complex.used(key[0]) || !bench.complex.used(key[1]) ||
+            !bench.operators.collapse(key[0], key[1], kInfinity))
+            continue;
+        const Vec3 gone = bench.complex.point(key[0]);
+        CHECK_FALSE(bench.descent.nudge(key[0], 0.999 * gone));
+        CHECK_FALSE(bench.descent.relax(key[0], 4));
+        CHECK(bench.complex.point(key[0]) == gone);
+        ++went;
+    }
+    CHECK(went > 3);
+}
+
 } // namespace wct::tests
