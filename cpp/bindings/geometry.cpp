@@ -1,3 +1,4 @@
+#include "base/facet_uses.h"
 #include "bindings/bindings.h"
 #include "bindings/domain.h"
 #include "bindings/workers.h"
@@ -78,6 +79,28 @@ nb::object euler_arrays(const Array &tets, const Array &region) {
     return array_of<std::int64_t>(out);
 }
 
+/// Half-facets in the order of their corners, and which have the corners of the next one.
+nb::tuple facet_arrays(const Array &tets, std::size_t points) {
+    const auto cells = cells_of<4>(tets, points, "tets");
+    std::vector<std::int32_t> order;
+    std::vector<std::uint8_t> same;
+    {
+        nb::gil_scoped_release release;
+        order.reserve(4 * cells.size());
+        same.reserve(4 * cells.size());
+        FacetUses(cells, points).each([&](const Facet &, std::span<const FacetUses::Use> uses) {
+            for (const FacetUses::Use &use : uses) {
+                order.push_back(use.half);
+                same.push_back(true);
+            }
+            same.back() = false;
+        });
+    }
+    if (!same.empty())
+        same.pop_back(); // the last has none after it
+    return nb::make_tuple(array_of<std::int64_t>(order), array_of<bool>(same));
+}
+
 /// Principal curvatures per triangle corner.
 nb::object curvature_arrays(const Array &surface_points, const Array &triangles, const Array &patch) {
     domain::SurfaceData surface;
@@ -114,6 +137,12 @@ void bind_geometry(nb::module_ &m) {
                 "numpy.typing.NDArray[numpy.int64])"
                 " -> numpy.typing.NDArray[numpy.int64]"),
         R"(Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets.)");
+    m.def("facet_order", &facet_arrays, nb::arg("tets"), nb::arg("points"),
+          nb::sig("def facet_order(tets: numpy.typing.NDArray[numpy.int64], points: int)"
+                  " -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.bool_]]"),
+          R"(Half-facets (4 m,), 4 times a tet of ``tets`` (m, 4) and the corner opposite, by their ascending corners.
+
+Those with the same corners ascend. Which of them (4 m - 1,) have the same corners as the next one.)");
     m.def("farthest_sample", &farthest_arrays, nb::arg("points"), nb::arg("triangles"), nb::arg("step"),
           nb::arg("surface_points"), nb::arg("surface_triangles"), nb::arg("threads") = 0,
           nb::sig("def farthest_sample(points: numpy.typing.NDArray[numpy.float64],"

@@ -1,5 +1,7 @@
 """What must be kept is measured, and what was not is named: shapes made by hand that lose one thing each."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from support.builders import kuhn_cube, two_region_cube
@@ -107,6 +109,20 @@ def test_a_cavity_a_handle_and_a_lost_piece_are_other_spaces():
         assert core == measure_region_topology(other)["0"]["euler_characteristic"]
     for other in (hollow, ring, halves):
         assert any(loss["kind"] == "topology" for loss in losses(cube, other, tolerance=1.0))
+
+
+@pytest.mark.parametrize("kept", [0.3, 0.9, 0.99])
+def test_the_euler_characteristic_of_any_region_is_what_counting_its_cells_gives(kept):
+    rng = np.random.default_rng(7)
+    cube, manifolds = kuhn_cube(4), 0
+    for _ in range(30):
+        regions = np.where(rng.random(len(cube.tets)) < kept, 1, 2)
+        for tag, found in measure_region_topology(TetMesh(cube.points, cube.tets, regions=regions)).items():
+            tets = np.sort(cube.tets[regions == int(tag)], axis=1)
+            cells = [{c for tet in tets.tolist() for c in combinations(tet, k)} for k in (1, 2, 3, 4)]
+            assert found["euler_characteristic"] == sum((-1) ** k * len(same) for k, same in enumerate(cells))
+            manifolds += not (found["joined_edges"] or found["pinched_vertices"])
+    assert kept < 0.99 or manifolds > 3
 
 
 def test_joints_at_an_edge_and_at_a_vertex():

@@ -1,7 +1,7 @@
 """Topology against brute force on small meshes."""
 
 from collections import Counter, defaultdict
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from support.builders import ball, bcc, jittered_cube, kuhn_cube, l_shape, two_r
 
 from wct_plugin.errors import InputError
 from wct_plugin.mesh import TetMesh
-from wct_plugin.mesh.topology import EDGES, FACETS, Topology, _argsort_rows
+from wct_plugin.mesh.topology import EDGES, FACETS, Topology, crowded_facets, folded_pairs
 
 MESHES = {
     "kuhn": kuhn_cube(2),
@@ -114,10 +114,22 @@ def test_three_tets_on_a_facet_are_refused_when_asked_for():
         _ = mesh.topology.adjacency
 
 
-def test_large_point_numbers_sort_like_small_ones():
-    rng = np.random.default_rng(0)
-    triples = np.sort(rng.integers(0, 40, (300, 3)), axis=1)
-    assert (_argsort_rows(triples, 40) == _argsort_rows(triples, 1 << 21)).all()
+@pytest.mark.parametrize("seed", range(5))
+def test_facets_are_found_as_a_dictionary_of_them_finds_them(seed):
+    rng = np.random.default_rng(seed)
+    tets = np.array([rng.choice(9, 4, replace=False) for _ in range(60)])
+    tets_at = {}
+    for t, tet in enumerate(tets.tolist()):
+        for corner in range(4):
+            tets_at.setdefault(tuple(sorted(tet[:corner] + tet[corner + 1 :])), []).append(t)
+    crowded = [[*facet, *at[:3]] for facet, at in sorted(tets_at.items()) if len(at) > 2]
+    assert crowded
+    assert crowded_facets(tets, 9).tolist() == crowded
+    pairs, _ = folded_pairs(tets)
+    assert pairs.tolist() == [list(pair) for _, at in sorted(tets_at.items()) for pair in pairwise(at)]
+
+
+def test_point_numbers_may_be_large():
     mesh = kuhn_cube(2)
     spread = Topology(mesh.tets * 100_000, mesh.regions, 100_000 * len(mesh.points))
     assert (spread.adjacency == mesh.topology.adjacency).all()

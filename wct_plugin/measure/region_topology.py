@@ -31,12 +31,19 @@ def measure_region_topology(mesh: TetMesh) -> dict[str, RegionTopology]:
         rows = np.flatnonzero(regions == tag)
         surface = topology.triangles_of(half_facets[regions[half_facets[:, 0]] == tag])
         sizes = surface_edges(surface, len(mesh.points))[3]
-        shared = int((regions[same[:, 0]] == tag).sum())
+        joined, pinches = int((sizes != 2).sum()), int(pinched(surface, len(mesh.points)).sum())
+        if joined or pinches:
+            shared = int((regions[same[:, 0]] == tag).sum())
+            characteristic = _euler_characteristic(mesh.tets[rows], shared)
+        else:
+            # Round a vertex that tets fill in space lies a sphere or, on the surface, a disk. So this is a manifold,
+            # and its characteristic half that of its boundary (its double, an odd-dimensional closed manifold, has 0).
+            characteristic = (len(np.unique(surface)) - len(sizes) + len(surface)) // 2
         out[str(tag)] = {
             "components": len(np.unique(topology.pieces[rows])),
-            "euler_characteristic": _euler_characteristic(mesh.tets[rows], shared),
-            "joined_edges": int((sizes != 2).sum()),
-            "pinched_vertices": int(pinched(surface, len(mesh.points)).sum()),
+            "euler_characteristic": characteristic,
+            "joined_edges": joined,
+            "pinched_vertices": pinches,
         }
     return out
 

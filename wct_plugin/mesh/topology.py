@@ -1,10 +1,11 @@
-"""Who touches whom in a tet mesh: boundary, interfaces, adjacency, edges, components. NumPy, derived lazily."""
+"""Who touches whom in a tet mesh: boundary, interfaces, adjacency, edges, components. Derived lazily."""
 
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wct_plugin.core import _core
 from wct_plugin.errors import NoMeshError
 from wct_plugin.mesh.index_arrays import components
 from wct_plugin.types import Bools, Ints
@@ -34,18 +35,20 @@ class Topology:
         Returns ``pairs`` (p, 2), the first the smaller, and ``single`` (b,), ascending.
         Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
         """
-        triples, order, same = _sorted_facets(self._tets, self._count)
-        crowd = _crowds(triples, order, same)
+        order, same = _core.facet_order(self._tets, self._count)
+        crowd = _crowds(self._tets, order, same)
         if len(crowd):
             a, b, c, *tets = crowd[0].tolist()
             raise NoMeshError(
                 f"facet ({a}, {b}, {c}) belongs to tets {tets[0]}, {tets[1]} and {tets[2]}; at most two may share one"
             )
-        first = np.flatnonzero(same)
-        alone = np.ones(len(order), dtype=bool)
-        alone[first] = alone[first + 1] = False
-        pairs = np.sort(np.stack([order[first], order[first + 1]], axis=1), axis=1)
-        return pairs[np.argsort(pairs[:, 0])], np.sort(order[alone])
+        facing = np.full(len(order), -1, dtype=np.int64)
+        facing[order[:-1][same]] = order[1:][same]
+        first = np.flatnonzero(facing >= 0)
+        pairs = np.column_stack([first, facing[first]])
+        single = np.ones(len(order), dtype=bool)
+        single[pairs] = False
+        return pairs, np.flatnonzero(single)
 
     @cached_property
     def adjacency(self) -> Ints:
@@ -156,7 +159,7 @@ class Topology:
 
 def crowded_facets(tets: Ints, count: int) -> Ints:
     """(k, 6) the facets that three or more of the tets (m, 4) share: three vertices, the first three of the tets."""
-    return _crowds(*_sorted_facets(tets, count))
+    return _crowds(tets, *_core.facet_order(tets, count))
 
 
 def folded_pairs(tets: Ints) -> tuple[Ints, Bools]:
@@ -167,28 +170,15 @@ def folded_pairs(tets: Ints) -> tuple[Ints, Bools]:
     facets = tets[:, FACETS].reshape(-1, 3)
     a, b, c = facets.T
     odd = (a > b) ^ (a > c) ^ (b > c)
-    _, order, same = _sorted_facets(tets, int(tets.max(initial=0)) + 1)
+    order, same = _core.facet_order(tets, int(tets.max(initial=0)) + 1)
     first = np.flatnonzero(same)
     return np.column_stack([order[first], order[first + 1]]) // 4, odd[order[first]] == odd[order[first + 1]]
 
 
-def _sorted_facets(tets: Ints, count: int) -> tuple[Ints, Ints, Bools]:
-    """Facets (4m, 3), ascending, in lexicographic order, the half-facet of each, and which equal the next one."""
-    triples = np.sort(tets[:, FACETS].reshape(-1, 3), axis=1)
-    order = _argsort_rows(triples, count)
-    triples = triples[order]
-    return triples, order, (triples[1:] == triples[:-1]).all(axis=1)
-
-
-def _crowds(triples: Ints, order: Ints, same: Bools) -> Ints:
+def _crowds(tets: Ints, order: Ints, same: Bools) -> Ints:
     """(k, 6) the facets that occur three times or more, once each, with the first three of their tets."""
     third = np.flatnonzero(same[1:] & same[:-1])
     third = third[np.diff(third, prepend=-2) > 1]
-    return np.column_stack([triples[third], order[third[:, None] + np.arange(3)] // 4])
-
-
-def _argsort_rows(triples: Ints, count: int) -> Ints:
-    """A stable order of rows of three ascending indices below ``count``."""
-    if count < 1 << 21:  # the three fit one int64, which sorts several times faster than three keys
-        return np.argsort((triples[:, 0] << 42) | (triples[:, 1] << 21) | triples[:, 2], kind="stable")
-    return np.lexsort(triples.T[::-1])
+    half = order[third[:, None] + np.arange(3)]
+    corners = np.sort(tets[half[:, :1] // 4, FACETS[half[:, 0] % 4]], axis=1)
+    return np.column_stack([corners, half // 4])
