@@ -114,6 +114,13 @@ def euler_characteristics(tets: numpy.typing.NDArray[numpy.int64], region: numpy
     Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets.
     """
 
+def facet_order(tets: numpy.typing.NDArray[numpy.int64], points: int) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.bool_]]:
+    """
+    Half-facets (4 m,), 4 times a tet of ``tets`` (m, 4) and the corner opposite, by their ascending corners.
+
+    Those with the same corners ascend. Which of them (4 m - 1,) have the same corners as the next one.
+    """
+
 def farthest_sample(points: numpy.typing.NDArray[numpy.float64], triangles: numpy.typing.NDArray[numpy.int64], step: float, surface_points: numpy.typing.NDArray[numpy.float64], surface_triangles: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> tuple[float, tuple[float, float, float]]:
     """
     The sample of one triangle surface that is farthest from another: its distance and where it is.
