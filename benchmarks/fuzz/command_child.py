@@ -40,7 +40,7 @@ def _imports() -> None:
 
 def _become(case: Case, folder: Path, cores: int) -> None:
     """In the fork: run the command and end."""
-    code = 99
+    code, began = 99, False
     try:
         os.setsid()
         ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: it ends with the child
@@ -58,6 +58,7 @@ def _become(case: Case, folder: Path, cores: int) -> None:
         from wct_plugin.cli import entry
 
         sys.argv = ["wct", *case.arguments]
+        began = True
         try:
             if case.name == "object":
                 sys.exit(object_program.main(case.arguments))
@@ -65,6 +66,9 @@ def _become(case: Case, folder: Path, cores: int) -> None:
         except SystemExit as ended:
             code = ended.code if isinstance(ended.code, int) else 0 if ended.code is None else 1
     except KeyboardInterrupt:
+        if not began:  # the command could not hear it yet
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
+            os.kill(os.getpid(), signal.SIGINT)
         code = 130
     except BaseException:
         import traceback

@@ -12,17 +12,21 @@ _FAILED = 2
 
 def main() -> None:
     """Run the command line, and end with its exit code."""
-    open_closed_streams()
-    code = _FAILED
+    code: int | None = None
+    said = "interrupted; nothing was written"
     try:
+        open_closed_streams()
         raise_on_sigterm()
         repeat_where_lost()
         from wct_plugin.cli.main import run  # takes a fifth of a second
 
+        said = "interrupted"
         code = run()
         end_at_once()
-    except KeyboardInterrupt:  # before a command was there to be interrupted
-        with suppress(OSError):
-            if sys.stderr is not None:
-                sys.stderr.write("error: interrupted; nothing was written\n")
-    sys.exit(code if flushed() else _FAILED)
+    except KeyboardInterrupt:  # before a command was there to be interrupted, or as it ended
+        if code is None:
+            with suppress(OSError):
+                if sys.stderr is not None:
+                    sys.stderr.write(f"error: {said}\n")
+    took_all = flushed()
+    sys.exit(code if took_all and code is not None else _FAILED)
