@@ -28,5 +28,6 @@ def main() -> None:
             with suppress(OSError):
                 if sys.stderr is not None:
                     sys.stderr.write(f"error: {said}\n")
+        end_at_once()
     took_all = flushed()
     sys.exit(code if took_all and code is not None else _FAILED)

@@ -24,6 +24,8 @@ def repeat_where_lost() -> None:
         if not issubclass(lost.exc_type, KeyboardInterrupt):
             before(lost)
             return
+        if sys.is_finalizing():  # no thread may begin any more, and there is nothing left to interrupt
+            return
         again = threading.Timer(_AGAIN, _thread.interrupt_main)
         again.daemon = False  # it is awaited where the interpreter ends, and nothing of Python's runs on after that
         again.start()
