@@ -27,6 +27,9 @@ Row = dict[str, Any]
 _SHAPES = {"ball": (ball, 28.0), "cube": (jittered_cube, 7.0)}
 _SIZES = (10_000, 30_000, 100_000, 300_000)
 _FACTOR = _SIZES[-1] // _SIZES[0]
+#: Where other tools are run beside the two, and which: those that mesh, and the remesher, once each.
+_BESIDE = 100_000
+_OTHERS = ("TetGen -pYq1.2/12 -a", "gmsh Delaunay", "gmsh HXT", "Netgen from boundary", "mmg3d -optim")
 _COLUMNS = (
     ("tets", "tets", "d"),
     ("cpu", "CPU s", ".2f"),
@@ -46,7 +49,10 @@ _COLUMNS = (
 @click.option("--timeout", default=3600.0, show_default=True, help="Seconds per tool and size.")
 @click.option("--out", default=Path("build/bench"), type=click.Path(path_type=Path), show_default=True)
 def main(most: int, timeout: float, out: Path) -> None:
-    """Run both tools on a ball and a cube in growing resolution; write growth.md, growth.json and growth.png."""
+    """Run both tools on a ball and a cube in growing resolution; write growth.md, growth.json and growth.png.
+
+    At 100 thousand tets five other tools run beside them.
+    """
     if most < _SIZES[0]:
         raise click.UsageError(f"--most is {most}; the smallest size is {_SIZES[0]}")
     folder = out / "growth"
@@ -58,7 +64,7 @@ def main(most: int, timeout: float, out: Path) -> None:
             mesh = make(round((size / tets_per_cell) ** (1 / 3)))
             file = folder / f"{shape}{size}.vtu"
             wct.write(file, mesh)
-            for tool in (MESHER.name, MESHING.name):
+            for tool in (MESHER.name, MESHING.name, *(_OTHERS if size == _BESIDE else ())):
                 click.echo(f"{file.stem}: {tool} ... ", nl=False, err=True)
                 outcome = run(tool, file, None, timeout)
                 rows.append({"shape": shape, **row_of(file.stem, tool, outcome, mesh, mesh.boundary_surface())})
@@ -105,6 +111,12 @@ def markdown(rows: list[Row], about: dict[str, Any]) -> str:
     for row in rows:
         cells = [table.show(row.get(key), form) for key, _, form in _COLUMNS]
         lines.append(table.line([row["mesh"], row["tool"], *cells, table.note(row)]))
+    beside = [row for row in rows if row["mesh"].endswith(str(_BESIDE)) and "ms_per_tet" in row]
+    lines += ["", "CPU seconds per million tets that come out, and how many of them are well-centered:", ""]
+    lines += [table.line(["mesh", "tool", "CPU s", "3WC %", "CWC %"]), table.line(["---"] * 5)]
+    for row in sorted(beside, key=lambda row: (row["shape"], row["ms_per_tet"])):
+        cells = [f"{1e3 * row['ms_per_tet']:.1f}", f"{row['3wc']:.1f}", f"{row['cwc']:.1f}"]
+        lines.append(table.line([row["shape"], row["tool"], *cells]))
     return "\n".join([*lines, ""])
 
 
@@ -138,7 +150,10 @@ def plot(rows: list[Row], file: Path) -> bool:
 
 def _finished(rows: list[Row]) -> dict[str, list[Row]]:
     """The rows of each shape and tool that have a mesh and its cost, by count of tets."""
-    done = sorted((row for row in rows if "ms_per_tet" in row), key=lambda row: (_curve(row), row["tets"]))
+    done = sorted(
+        (row for row in rows if "ms_per_tet" in row and row["tool"] not in _OTHERS),
+        key=lambda row: (_curve(row), row["tets"]),
+    )
     return {name: list(own) for name, own in groupby(done, key=_curve)}
 
 

@@ -74,13 +74,52 @@ def _gmsh_optimize(points: Floats, tets: Ints, method: str) -> Arrays:
     gmsh.model.mesh.addElementsByType(1, 2, [], facets.ravel() + 1)
     gmsh.model.mesh.addElementsByType(1, 4, [], mesh.tets.ravel() + 1)
     gmsh.model.mesh.optimize(method, force=True, niter=5)
+    points, made = _gmsh_tets()
+    # Netgen leaves the old tets of a discrete entity in place and appends its own.
+    return points, made[len(tets) :] if method == "Netgen" else made
+
+
+def gmsh_delaunay(mesh: TetMesh) -> Arrays:
+    """Gmsh's Delaunay algorithm fills the boundary anew, its facets kept."""
+    return _gmsh_fill(mesh, 1)
+
+
+def gmsh_hxt(mesh: TetMesh) -> Arrays:
+    """Gmsh's HXT fills the boundary anew on one thread, its facets kept."""
+    return _gmsh_fill(mesh, 10)
+
+
+def _gmsh_fill(mesh: TetMesh, algorithm: int) -> Arrays:
+    """With edges of .7 of the mesh's own inside, which gives about as many tets."""
+    import gmsh
+
+    surface = mesh.boundary_surface()
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.7 * _mean_edge(mesh))
+        gmsh.model.addDiscreteEntity(2, 1)
+        gmsh.model.mesh.addNodes(2, 1, np.arange(len(surface.points)) + 1, surface.points.ravel())
+        gmsh.model.mesh.addElementsByType(1, 2, [], surface.triangles.ravel() + 1)
+        gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop([1])])
+        gmsh.model.geo.synchronize()
+        gmsh.model.mesh.generate(3)
+        return _gmsh_tets()
+    finally:
+        gmsh.finalize()
+
+
+def _gmsh_tets() -> Arrays:
+    """The points and tets of the model."""
+    import gmsh
+
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, corners = gmsh.model.mesh.getElementsByType(4)
     place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     place[tags.astype(np.int64)] = np.arange(len(tags))
-    made = place[corners.astype(np.int64)].reshape(-1, 4)
-    # Netgen leaves the old tets of a discrete entity in place and appends its own.
-    return coordinates.reshape(-1, 3), made[len(tets) :] if method == "Netgen" else made
+    return coordinates.reshape(-1, 3), place[corners.astype(np.int64)].reshape(-1, 4)
 
 
 def mmg_optim(mesh: TetMesh) -> Arrays:
@@ -182,6 +221,8 @@ MESHER = Peer("fTetWild", "pytetwild", "pytetwild", ftetwild)
 PEERS = (
     MESHER,
     Peer("gmsh Netgen + Relocate3D", "gmsh", "gmsh", gmsh_netgen),
+    Peer("gmsh Delaunay", "gmsh", "gmsh", gmsh_delaunay),
+    Peer("gmsh HXT", "gmsh", "gmsh", gmsh_hxt),
     Peer("mmg3d -optim", "mmgpy", "mmgpy", mmg_optim),
     Peer("mmg3d -optim -optimLES", "mmgpy", "mmgpy", mmg_les),
     Peer("mmg3d -optim -optimLES -nosurf", "mmgpy", "mmgpy", mmg_les_nosurf),

@@ -137,6 +137,10 @@ def test_growth_is_the_power_between_the_ends(tmp_path: Path) -> None:
     assert of_b.endswith("over a factor 3.3 in tets CPU time grows as tets^1.20")
     assert of_a.endswith(f"over a factor 30.0 in tets CPU time grows as tets^1.50: t(300 k) / t(10 k) = {30**1.5:.1f}")
     assert "| stopped after 9 s |" in growth.markdown(rows, table.machine(["numpy"]))
+    large = {**_grown("TetGen -pYq1.2/12 -a", 0.5, [100_000])[0], "mesh": "ball100000", "3wc": 80.0, "cwc": 72.0}
+    assert growth.summary([*rows, large]) == [of_a, of_b, of_c]
+    beside = growth.markdown([*rows, large], table.machine(["numpy"])).splitlines()
+    assert beside[-1] == "| ball | TetGen -pYq1.2/12 -a | 3.2 | 80.0 | 72.0 |"
     assert growth.plot(rows, tmp_path / "growth.png")
     assert (tmp_path / "growth.png").stat().st_size > 0
 
