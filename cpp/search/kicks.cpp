@@ -87,7 +87,7 @@ void Kicks::refine_surface(int t) {
     watch_.loose = kLoose;
     std::optional<int> v;
     if (over && random_.coin())
-        v = snap(t);
+        v = repair_.snap(t);
     if (!v)
         v = repair_.insert_on_facet(t, slack);
     for (int k = 1; v && k < most; ++k) {
@@ -97,28 +97,6 @@ void Kicks::refine_surface(int t) {
     }
     watch_.loose = 0.0;
     operators_.shortest = shortest;
-}
-
-std::optional<int> Kicks::snap(int t) {
-    const Tet tet = complex_.tet(t);
-    for (const auto &[p, q, r] : kFacets) {
-        const Facet key = sorted(tet[p], tet[q], tet[r]);
-        if (!complex_.is_surface(tet[p], tet[q], tet[r]) || complex_.over(key) <= 0.0)
-            continue;
-        const auto peak = operators_.farthest(key);
-        if (!peak)
-            continue;
-        int best = -1;
-        for (int v : key)
-            if (complex_.vertex(v).stratum == Stratum::patch &&
-                (best < 0 || norm(complex_.point(v) - *peak) < norm(complex_.point(best) - *peak)))
-                best = v;
-        if (best >= 0 && descent_.nudge(best, *peak)) {
-            operators_.touch(best);
-            return best;
-        }
-    }
-    return std::nullopt;
 }
 
 std::optional<Facet> Kicks::worst_facet(int v) {

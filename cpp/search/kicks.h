@@ -49,9 +49,6 @@ class Kicks {
     void refine_surface(int t);
     /// The facet at v that is farthest beyond the tolerance, if one is.
     std::optional<Facet> worst_facet(int v);
-    /// Move the vertex nearest to it where a facet of t is farthest beyond the tolerance; returns it. Between the two
-    /// sides of a slot there is no room for one more.
-    std::optional<int> snap(int t);
     /// `refine` is the chance that the surface is refined.
     void shake(int t, const Kick &kick, double refine);
     /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was

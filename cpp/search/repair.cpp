@@ -124,6 +124,28 @@ std::optional<int> Repair::insert_on_facet(int t, double slack) {
     return operators_.insert_on_surface(*chosen, (1.0 / sum) * x, slack);
 }
 
+std::optional<int> Repair::snap(int t) {
+    const Tet tet = complex_.tet(t);
+    for (const auto &[p, q, r] : kFacets) {
+        const Facet key = sorted(tet[p], tet[q], tet[r]);
+        if (!complex_.is_surface(tet[p], tet[q], tet[r]) || complex_.over(key) <= 0.0)
+            continue;
+        const auto peak = operators_.farthest(key);
+        if (!peak)
+            continue;
+        int best = -1;
+        for (int v : key)
+            if (complex_.vertex(v).stratum == Stratum::patch &&
+                (best < 0 || norm(complex_.point(v) - *peak) < norm(complex_.point(best) - *peak)))
+                best = v;
+        if (best >= 0 && descent_.nudge(best, *peak)) {
+            operators_.touch(best);
+            return best;
+        }
+    }
+    return std::nullopt;
+}
+
 bool Repair::chain(int t) {
     constexpr double slack = 5.0; // by which an operator of a chain may raise the energy
     constexpr double most = 20.0; // by which all of them together may

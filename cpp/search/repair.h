@@ -45,6 +45,9 @@ class Repair {
     bool random_operator(int t, double slack);
     /// A new vertex on a surface facet of t: where the facet is farthest beyond the tolerance, or anywhere on it.
     std::optional<int> insert_on_facet(int t, double slack);
+    /// Move there the vertex of the facet that is nearest instead; returns it. Between the two sides of a slot there is
+    /// no room for one more.
+    std::optional<int> snap(int t);
     /// Flips that lower the energy, round the given vertices.
     void flip_round(const std::vector<int> &vertices);
 

@@ -70,6 +70,50 @@ TEST_CASE("Repair: good tets are left alone, and so is what was tried in vain un
     CHECK(bench.energy.evaluations() > evaluations);
 }
 
+TEST_CASE("Repair: where a facet is beyond the tolerance, its vertex that is nearest goes to the farthest place") {
+    const Body coarse = ball(3, 0.2, 15), fine = ball(9, 0.2, 15);
+    search::TetComplex complex = complex_of(coarse);
+    const search::SurfaceGuide guide = guide_of(fine, 0.02, 0.125 * fine.size);
+    const search::SearchEnergy energy(search_form());
+    search::SurfaceWatch watch(complex, guide);
+    search::Operators operators(complex, energy, guide, watch);
+    search::VertexDescent descent(complex, energy, guide, watch);
+    search::GroupDescent group(complex, energy, guide, watch);
+    Random random(4);
+    search::Repair repair(complex, energy, operators, descent, group, random);
+    watch.begin();
+    watch.loose = 3.0; // as kicks allow
+    int snapped = 0, left = 0;
+    for (std::size_t k = 0; k < complex.tet_slots(); ++k) {
+        const int t = static_cast<int>(k);
+        const Tet tet = complex.tet(t);
+        std::vector<std::array<Vec3, 4>> places; // the vertices of a facet beyond the tolerance, and where it is
+        for (const auto &f : kFacets)
+            if (complex.is_surface(tet[f[0]], tet[f[1]], tet[f[2]])) {
+                const Facet key = sorted(tet[f[0]], tet[f[1]], tet[f[2]]);
+                const auto peak = complex.over(key) > 0.0 ? operators.farthest(key) : std::nullopt;
+                if (peak)
+                    places.push_back({complex.point(key[0]), complex.point(key[1]), complex.point(key[2]), *peak});
+            }
+        const State before(complex);
+        const auto v = repair.snap(t);
+        if (!v) {
+            CHECK(difference(before, State(complex)) == "");
+            left += !places.empty();
+            continue;
+        }
+        ++snapped;
+        const Vec3 was = before.vertices[*v].position, is = complex.point(*v);
+        CHECK(std::any_of(places.begin(), places.end(), [&](const std::array<Vec3, 4> &at) {
+            const double far = norm(was - at[3]);
+            return (was == at[0] || was == at[1] || was == at[2]) && norm(is - at[3]) < 0.9 * far &&
+                   far <= std::min({norm(at[0] - at[3]), norm(at[1] - at[3]), norm(at[2] - at[3])});
+        }));
+    }
+    CHECK(snapped > 10);
+    CHECK(left > 10);
+}
+
 TEST_CASE("Repair: flips round vertices lower the energy, and random operators may raise it") {
     KickBench bench(cube(4, 0.3, 13), 1);
     const double before = bench.complex.total();

@@ -109,4 +109,33 @@ TEST_CASE("LocalSearch: stopped at once it leaves a sound mesh, with no more bad
     CHECK(not_well_centered(complex, true) <= before);
 }
 
+TEST_CASE("LocalSearch: the tets that stay bad share the kicks, an eighth of them in a hurry") {
+    for (const int flat : {1, 2, 4}) {
+        std::vector<Vec3> points;
+        std::vector<Tet> tets;
+        for (int k = 0; k < flat; ++k) {
+            const int first = static_cast<int>(points.size());
+            const Vec3 off{3.0 * k, 0.0, 0.0};
+            for (const Vec3 &p : {Vec3{0.0, 0.0, 0.0}, Vec3{1.0, 0.0, 0.0}, Vec3{0.0, 1.0, 0.0}, Vec3{0.9, 0.9, 0.1}})
+                points.push_back(p + off);
+            tets.push_back({first, first + 1, first + 2, first + 3});
+        }
+        Body body = stratified(points, tets, std::vector<int>(tets.size(), 0),
+                               [](const Vec3 &middle, const Vec3 &) { return static_cast<int>(middle.x); });
+        body.size = 1.0;
+        search::SearchOptions options = quick();
+        options.kicks = 800;
+        options.flip_surface = options.split_surface = false;
+        for (const bool hurry : {false, true}) {
+            options.hurry = hurry;
+            search::TetComplex complex = complex_of(pinned(body).body);
+            const search::SurfaceGuide guide = guide_of(body, 0.02, 0.125);
+            const search::SearchOutcome outcome =
+                search::LocalSearch(complex, guide, options).run([](const char *, double, int) { return true; });
+            CHECK(outcome.bad == flat);
+            CHECK(outcome.kicks == (hurry ? 100 : 800) / flat);
+        }
+    }
+}
+
 } // namespace wct::tests
