@@ -2,6 +2,7 @@
 #include "bindings/bindings.h"
 #include "bindings/domain.h"
 #include "bindings/workers.h"
+#include "geometry/edge_table.h"
 #include "geometry/euler_characteristic.h"
 #include "geometry/farthest_sample.h"
 #include "geometry/triangle_tree.h"
@@ -101,6 +102,17 @@ nb::tuple facet_arrays(const Array &tets, std::size_t points) {
     return nb::make_tuple(array_of<std::int64_t>(order), array_of<bool>(same));
 }
 
+/// Edges, and those of each tet.
+nb::tuple edge_arrays(const Array &tets, std::size_t points) {
+    const auto cells = cells_of<4>(tets, points, "tets");
+    geometry::EdgeTable found;
+    {
+        nb::gil_scoped_release release;
+        found = geometry::edge_table(cells, points);
+    }
+    return nb::make_tuple(array_of<std::int64_t>(found.edges), array_of<std::int64_t>(found.of_tets));
+}
+
 /// Principal curvatures per triangle corner.
 nb::object curvature_arrays(const Array &surface_points, const Array &triangles, const Array &patch) {
     domain::SurfaceData surface;
@@ -131,6 +143,13 @@ void bind_geometry(nb::module_ &m) {
                   " -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64],"
                   " numpy.typing.NDArray[numpy.float64]]"),
           R"(Nearest points (q, 3) of a triangle surface, the triangles (q,) they lie on and the distances (q,).)");
+    m.def(
+        "edge_table", &edge_arrays, nb::arg("tets"), nb::arg("points"),
+        nb::sig("def edge_table(tets: numpy.typing.NDArray[numpy.int64], points: int)"
+                " -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64]]"),
+        R"(Every edge (e, 2) of ``tets`` (m, 4) once, ends ascending, rows in lexicographic order, and each tet's (m, 6).
+
+The edges of a tet are those of its corners 01, 02, 03, 12, 13 and 23.)");
     m.def(
         "euler_characteristics", &euler_arrays, nb::arg("tets"), nb::arg("region"),
         nb::sig("def euler_characteristics(tets: numpy.typing.NDArray[numpy.int64], region: "

@@ -109,6 +109,13 @@ def closest_points(surface_points: numpy.typing.NDArray[numpy.float64], triangle
     Nearest points (q, 3) of a triangle surface, the triangles (q,) they lie on and the distances (q,).
     """
 
+def edge_table(tets: numpy.typing.NDArray[numpy.int64], points: int) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64]]:
+    """
+    Every edge (e, 2) of ``tets`` (m, 4) once, ends ascending, rows in lexicographic order, and each tet's (m, 6).
+
+    The edges of a tet are those of its corners 01, 02, 03, 12, 13 and 23.
+    """
+
 def euler_characteristics(tets: numpy.typing.NDArray[numpy.int64], region: numpy.typing.NDArray[numpy.int64]) -> numpy.typing.NDArray[numpy.int64]:
     """
     Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets.

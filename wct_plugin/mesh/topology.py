@@ -115,26 +115,23 @@ class Topology:
         return out.reshape(-1, 4)
 
     @cached_property
-    def _edges(self) -> tuple[Ints, Ints, Ints]:
-        one, other = self._tets[:, EDGES[:, 0]], self._tets[:, EDGES[:, 1]]
-        keys = np.minimum(one, other) * self._count + np.maximum(one, other)
-        keys, place, valence = np.unique(keys, return_inverse=True, return_counts=True)
-        return np.column_stack([keys // self._count, keys % self._count]), valence, place.reshape(-1, len(EDGES))
+    def _edges(self) -> tuple[Ints, Ints]:
+        return _core.edge_table(self._tets, self._count)
 
-    @cached_property
+    @property
     def edges(self) -> Ints:
         """(e, 2) every edge once, ends ascending, rows in lexicographic order."""
         return self._edges[0]
 
-    @property
+    @cached_property
     def edge_valence(self) -> Ints:
         """(e,) how many tets meet at each row of :attr:`edges`."""
-        return self._edges[1]
+        return np.bincount(self.tet_edges.ravel(), minlength=len(self.edges))
 
     @property
     def tet_edges(self) -> Ints:
         """(m, 6) the row of :attr:`edges` for each of a tet's edges, columns as :data:`EDGES`."""
-        return self._edges[2]
+        return self._edges[1]
 
     @cached_property
     def facet_edges(self) -> Ints:
