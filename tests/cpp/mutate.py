@@ -3,7 +3,8 @@
 ``python tests/cpp/mutate.py --count 200 --seed 1`` builds a copy of the core with WCT_CHECKS in build/mutants, changes
 one place of it at a time, and writes build/mutants/table.md: what was changed where, and the test that noticed. A
 change that does not compile is drawn again. What no test notices is run under the sanitizers at the end. It takes about
-half a minute for each on an idle core; what was seen is kept, and a run with the same seed and sources goes on there.
+half a minute for each on an idle core, and ``--jobs`` of them are tried at a time, each in a copy of its own; what was
+seen is kept, and a run with the same seed and sources goes on there.
 """
 
 import argparse
@@ -11,24 +12,25 @@ import hashlib
 import json
 import random
 import re
-import resource
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
+from threading import Lock
 
 import cmake
 import ninja
 
 ROOT = Path(__file__).parents[2]
 WORK = ROOT / "build" / "mutants"
-SOURCE = WORK / "source"
-BUILD = WORK / "build"
-#: The same with what else CI runs the tests under: what the first leaves is looked at by this one.
-SANITIZED = WORK / "sanitized"
+#: The builds: one whose library checks what it is asked, and what else CI runs the tests under, which looks at what the
+#: first leaves.
+BUILD, SANITIZED = "build", "sanitized"
 FLAGS = {
     BUILD: "-O1 -DWCT_BASELINE -D_GLIBCXX_ASSERTIONS",
     SANITIZED: "-O1 -DWCT_BASELINE -fsanitize=address,undefined -fno-sanitize-recover=all",
@@ -55,7 +57,7 @@ _IDLE = re.compile(r"^\s*(//|///|#|template|namespace|using|WCT_)|^\s*$")
 class Change:
     """One place, by line (from 0) and columns, and the text that takes its place."""
 
-    path: Path
+    path: Path  #: within the sources
     line: int
     start: int
     end: int
@@ -85,7 +87,7 @@ def condition_of(line: str) -> tuple[int, int] | None:
 
 
 def changes_of(path: Path) -> Iterator[Change]:
-    for number, line in enumerate(path.read_text(encoding="utf-8").split("\n")):
+    for number, line in enumerate((ROOT / path).read_text(encoding="utf-8").split("\n")):
         code = line.split(" //")[0]
         if _IDLE.match(code):
             continue
@@ -104,89 +106,108 @@ def changes_of(path: Path) -> Iterator[Change]:
 
 
 def command(*words: str | Path, timeout: float | None = None, limited: bool = True) -> tuple[int, str]:
-    """Exit status, -1 where it took too long, and what was said."""
-    memory = _MEMORY if limited else resource.RLIM_INFINITY  # the sanitizers' shadows take more room than there is
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-
+    """Exit status, -1 where it took too long, and what was said; ``limited``: it may take so much memory."""
+    limit = ("prlimit", f"--as={_MEMORY}") if limited else ()  # the sanitizers' shadows take more room than there is
     try:
         done = subprocess.run(
-            words, capture_output=True, text=True, check=False, timeout=timeout, errors="replace", preexec_fn=limit
+            [*limit, *words], capture_output=True, text=True, check=False, timeout=timeout, errors="replace"
         )
     except subprocess.TimeoutExpired:
         return -1, ""
     return done.returncode, done.stdout + done.stderr
 
 
-def build(folder: Path = BUILD) -> bool:
-    return command(Path(cmake.CMAKE_BIN_DIR) / "cmake", "--build", folder, "--target", "wct_tests")[0] == 0
+@dataclass(frozen=True)
+class Copy:
+    """Sources of their own and their builds, in which one change at a time is made."""
 
+    folder: Path
 
-def verdict(timeout: float, tests: str = "", folder: Path = BUILD) -> str:
-    """The test that notices, of those in a folder of tests, empty where none does."""
-    words = (folder / "tests" / "cpp" / "wct_tests", "--abort-after=1", f"--source-file=*/tests/cpp/{tests}*")
-    code, said = command(*words, timeout=timeout, limited=folder != SANITIZED)
-    if code == 0:
-        return ""
-    if code == -1:
-        return "takes too long"
-    found = re.search(r"TEST CASE:\s*(.*)", said)
-    return found[1] if found else f"ends with {code}"
+    def prepare(self) -> float:
+        """Make it anew and see that it passes; the seconds that its tests take."""
+        shutil.rmtree(self.folder, ignore_errors=True)  # a copy that was left changed would not be compiled again
+        for folder in ("cpp", "tests/cpp"):
+            shutil.copytree(ROOT / folder, self.folder / "source" / folder)
+        shutil.copy(ROOT / "CMakeLists.txt", self.folder / "source")
+        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+        options = ["-DWCT_TESTS=ON", "-DWCT_CHECKS=ON", "-DCMAKE_BUILD_TYPE=None"]
+        maker = f"-DCMAKE_MAKE_PROGRAM={Path(ninja.BIN_DIR) / 'ninja'}"
+        for name, flags in FLAGS.items():
+            places = ("-S", self.folder / "source", "-B", self.folder / name)
+            words = ("-G", "Ninja", maker, *options, f"-DCMAKE_CXX_FLAGS={flags}", *launcher)
+            code, said = command(Path(cmake.CMAKE_BIN_DIR) / "cmake", *places, *words)
+            if code or not self._build(name):
+                sys.exit(f"the core does not build\n{said[-4000:]}")
+        began = time.monotonic()
+        noticed = self._verdict(BUILD, 3600.0)
+        took = time.monotonic() - began
+        if noticed := noticed or self._verdict(SANITIZED, 3600.0, "--source-file=*/tests/cpp/search*"):
+            sys.exit(f"without any change this test fails: {noticed}")
+        return took
 
+    def tried(self, change: Change, seconds: float, *, sanitized: bool) -> str | None:
+        """The test that notices a change, "" where none does, None where it does not compile."""
+        path = self.folder / "source" / change.path
+        original = path.read_text(encoding="utf-8")
+        path.write_text(change.applied(original.split("\n")), encoding="utf-8")
+        beside = f"=*/tests/cpp/{change.path.parent.name}*"  # tests that notice most
+        longest = 60.0 + 6.0 * seconds
+        name = SANITIZED if sanitized else BUILD
+        try:
+            if not self._build(name):
+                return None
+            first = self._verdict(name, 4.0 * longest if sanitized else longest, f"--source-file{beside}")
+            return first if first or sanitized else self._verdict(name, longest, f"--source-file-exclude{beside}")
+        finally:
+            path.write_text(original, encoding="utf-8")
 
-def prepare() -> float:
-    """A copy that passes; the seconds that its tests take."""
-    for folder in (SOURCE, *FLAGS):
-        shutil.rmtree(folder, ignore_errors=True)  # a copy that was left changed would not be compiled again
-    for folder in ("cpp", "tests/cpp"):
-        shutil.copytree(ROOT / folder, SOURCE / folder)
-    shutil.copy(ROOT / "CMakeLists.txt", SOURCE)
-    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    options = ["-DWCT_TESTS=ON", "-DWCT_CHECKS=ON", "-DCMAKE_BUILD_TYPE=None"]
-    maker = f"-DCMAKE_MAKE_PROGRAM={Path(ninja.BIN_DIR) / 'ninja'}"
-    tool = Path(cmake.CMAKE_BIN_DIR) / "cmake"
-    for folder, flags in FLAGS.items():
-        words = ("-S", SOURCE, "-B", folder, "-G", "Ninja", maker, *options, f"-DCMAKE_CXX_FLAGS={flags}", *launcher)
-        code, said = command(tool, *words)
-        if code or not build(folder):
-            sys.exit(f"the core does not build\n{said[-4000:]}")
-    began = time.monotonic()
-    noticed = verdict(timeout=3600.0)
-    noticed = noticed or verdict(3600.0, "search", SANITIZED)
-    if noticed:
-        sys.exit(f"without any change this test fails: {noticed}")
-    return time.monotonic() - began
+    def _build(self, name: str) -> bool:
+        tool = Path(cmake.CMAKE_BIN_DIR) / "cmake"
+        return command(tool, "--build", self.folder / name, "--target", "wct_tests")[0] == 0
+
+    def _verdict(self, name: str, timeout: float, *chosen: str) -> str:
+        """The test that notices, of those chosen, empty where none does."""
+        program = self.folder / name / "tests" / "cpp" / "wct_tests"
+        code, said = command(program, "--abort-after=1", *chosen, timeout=timeout, limited=name != SANITIZED)
+        if code == 0:
+            return ""
+        if code == -1:
+            return "takes too long"
+        found = re.search(r"TEST CASE:\s*(.*)", said)
+        return found[1] if found else f"ends with {code}"
 
 
 class Seen:
     """What is known of the changes drawn, kept in a file as long as sources, tests and builds are the same."""
 
     def __init__(self, seed: int, drawn: list[Change]) -> None:
-        sources = sorted((SOURCE / "cpp").rglob("*.[ch]*")) + sorted((SOURCE / "tests" / "cpp").rglob("*.[ch]*"))
+        folders = (ROOT / "cpp", ROOT / "tests" / "cpp")
+        sources = [path for folder in folders for path in sorted(folder.rglob("*")) if path.suffix in (".cpp", ".h")]
         known = [str(FLAGS).encode(), *(path.read_bytes() for path in sources)]
         digest = hashlib.sha256(b"".join(known)).hexdigest()[:12]
         self._file = WORK / f"seen_{seed}_{digest}.json"
-        self._seed, self._drawn = seed, drawn
+        self._seed, self._drawn, self._lock = seed, drawn, Lock()
         #: By the number of the change: the test that notices; "": none does; None: it does not compile.
         self.noticed: dict[int, str | None] = {}
         if self._file.exists():
             self.noticed = {int(k): test for k, test in json.loads(self._file.read_text(encoding="utf-8")).items()}
 
     def add(self, k: int, test: str | None) -> None:
-        self.noticed[k] = test
-        self._file.write_text(json.dumps(self.noticed), encoding="utf-8")
-        self._write_table()
+        with self._lock:
+            self.noticed[k] = test
+            self._file.write_text(json.dumps(self.noticed), encoding="utf-8")
+            self._write_table()
+            sys.stderr.write(f"{len(self.compiled())}: {test}\n")
 
     def compiled(self) -> list[int]:
-        return [k for k, test in self.noticed.items() if test is not None]
+        return [k for k, test in list(self.noticed.items()) if test is not None]
 
     def _write_table(self) -> None:
         rows = []
         for k in self.compiled():
             change = self._drawn[k]
-            place = f"{change.path.relative_to(SOURCE)}:{change.line + 1}"
-            lines = change.path.read_text(encoding="utf-8").split("\n")
+            place = f"{change.path}:{change.line + 1}"
+            lines = (ROOT / change.path).read_text(encoding="utf-8").split("\n")
             rows.append(f"| {place} | {change.described(lines)} | {self.noticed[k] or '**survives**'} |")
         killed = sum(bool(self.noticed[k]) for k in self.compiled())
         head = f"{killed} of {len(rows)} changes are noticed (seed {self._seed}, {len(self._drawn)} places).\n\n"
@@ -194,39 +215,45 @@ class Seen:
         (WORK / "table.md").write_text(table, encoding="utf-8")
 
 
-def tried(change: Change, seconds: float, *, sanitized: bool) -> str | None:
-    """The test that notices a change, "" where none does, None where it does not compile."""
-    original = change.path.read_text(encoding="utf-8")
-    change.path.write_text(change.applied(original.split("\n")), encoding="utf-8")
-    beside = change.path.parent.name  # tests that notice most
-    longest = 60.0 + 6.0 * seconds
-    try:
-        if sanitized:
-            return verdict(4.0 * longest, beside, SANITIZED) if build(SANITIZED) else None
-        return (verdict(longest, beside) or verdict(longest)) if build() else None
-    finally:
-        change.path.write_text(original, encoding="utf-8")
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--count", type=int, default=200, help="changes that compile")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1, help="how many are tried at a time")
     asked = parser.parse_args()
-    seconds = prepare()
-    files = [*sorted((SOURCE / "cpp" / "search").glob("*.cpp")), SOURCE / "cpp" / "geometry" / "predicates.cpp"]
-    drawn = [change for path in files if path.name != "checks.cpp" for change in changes_of(path)]
+    copies = [Copy(WORK / str(job)) for job in range(asked.jobs)]
+    seconds = max(copy.prepare() for copy in copies)
+    sources = [*sorted((ROOT / "cpp" / "search").glob("*.cpp")), ROOT / "cpp" / "geometry" / "predicates.cpp"]
+    files = [path.relative_to(ROOT) for path in sources if path.name != "checks.cpp"]
+    drawn = [change for path in files for change in changes_of(path)]
     random.Random(asked.seed).shuffle(drawn)
     seen = Seen(asked.seed, drawn)
-    for k, change in enumerate(drawn):
-        if len(seen.compiled()) >= asked.count:
-            break
-        if k not in seen.noticed:
-            seen.add(k, tried(change, seconds, sanitized=False))
-            sys.stderr.write(f"{len(seen.compiled())}: {seen.noticed[k]}\n")
-    for k in [k for k in seen.compiled() if not seen.noticed[k]]:
-        seen.add(k, tried(drawn[k], seconds, sanitized=True))
+
+    def work(copy: Copy, numbers: Iterator[int], *, sanitized: bool) -> None:
+        for k in numbers:
+            seen.add(k, copy.tried(drawn[k], seconds, sanitized=sanitized))
+
+    def share(numbers: Iterator[int], *, sanitized: bool) -> None:
+        one_by_one = _Shared(numbers)
+        with ThreadPoolExecutor(len(copies)) as pool:
+            for done in [pool.submit(work, copy, one_by_one, sanitized=sanitized) for copy in copies]:
+                done.result()
+
+    new = (k for k in range(len(drawn)) if k not in seen.noticed)
+    share(takewhile(lambda _: len(seen.compiled()) < asked.count, new), sanitized=False)
+    share(iter([k for k in seen.compiled() if not seen.noticed[k]]), sanitized=True)
     sys.stderr.write((WORK / "table.md").read_text(encoding="utf-8"))
+
+
+class _Shared(Iterator[int]):
+    """An iterator that several threads take from."""
+
+    def __init__(self, numbers: Iterator[int]) -> None:
+        self._numbers, self._lock = numbers, Lock()
+
+    def __next__(self) -> int:
+        with self._lock:
+            return next(self._numbers)
 
 
 if __name__ == "__main__":

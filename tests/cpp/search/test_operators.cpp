@@ -333,6 +333,18 @@ TEST_CASE("Operators: no edge and no facet is made that is there already, where 
     Bench closed(body_of(four, more));
     CHECK(open.operators.remove_edge(0, 1, kInfinity));
     CHECK_FALSE(closed.operators.remove_edge(0, 1, kInfinity));
+    // A whole ring, and one more tet at the same edge.
+    more = round;
+    more.push_back({0, 1, 5, 6});
+    std::vector<Vec3> beside(three.begin(), three.begin() + 5);
+    beside.push_back({0.2, -0.1, 0.0});
+    beside.push_back({0.1, 0.2, 0.0});
+    Bench crowded(body_of(beside, more));
+    search::Ring found;
+    CHECK(free.operators.ring(2, 3, found));
+    CHECK_FALSE(crowded.operators.ring(0, 1, found));
+    CHECK(crowded.operators.fans(0, 1, found));
+    CHECK(found.tets.size() == 4);
 }
 
 TEST_CASE("SearchEnergy: a tet whose clearance is just what is asked for counts as short of it") {
