@@ -46,7 +46,7 @@ std::optional<int> Operators::refine(const Facet &key, const Vec3 &peak, double 
     return std::nullopt;
 }
 
-std::optional<Vertex> Operators::middle_vertex(int a, int b, const std::vector<SplitFacet> &facets) const {
+Vertex Operators::middle_vertex(int a, int b, const std::vector<SplitFacet> &facets) const {
     Vertex middle;
     middle.position = 0.5 * (complex_.point(a) + complex_.point(b));
     middle.size = 0.5 * (complex_.vertex(a).size + complex_.vertex(b).size);
@@ -62,8 +62,7 @@ std::optional<Vertex> Operators::middle_vertex(int a, int b, const std::vector<S
             if (const auto peak = farthest(sorted(a, b, facet.apex)))
                 middle.position = *peak;
     }
-    if (!guide_.admit(middle, middle.position))
-        return std::nullopt;
+    guide_.admit(middle, middle.position);
     return middle;
 }
 
@@ -99,10 +98,7 @@ std::optional<int> Operators::split(int a, int b, double slack) {
     std::vector<SplitFacet> facets;
     if (!splits(a, b, facets))
         return std::nullopt;
-    const auto middle = middle_vertex(a, b, facets);
-    if (!middle)
-        return std::nullopt;
-    const int v = complex_.add_vertex(*middle);
+    const int v = complex_.add_vertex(middle_vertex(a, b, facets));
     const double before = halve_tets(a, b, v);
     if (!has_room(ring_.tets.size(), candidates_.size()) || !candidates_below(before + slack))
         return std::nullopt;

@@ -50,7 +50,7 @@ void GroupDescent::load() {
 
 /// Which way each free vertex may move; false if one may not move at all. On a curved surface that is along it: most of
 /// what leaves its tangent plane, the tolerance would refuse in the end.
-bool GroupDescent::hold() {
+void GroupDescent::hold() {
     hints_.clear();
     freedoms_.assign(free_.size(), {});
     for (std::size_t i = 0; i < free_.size(); ++i) {
@@ -59,15 +59,13 @@ bool GroupDescent::hold() {
         if (vertex.stratum == Stratum::interior)
             continue;
         Vec3 x = vertex.position;
-        if (!guide_.admit(vertex, x, &freedoms_[i], hints_[i]))
-            return false;
+        freedoms_[i] = guide_.admit(vertex, x, hints_[i]);
         if (freedoms_[i].kind != Freedom::Kind::space)
             continue;
         watch_.gather(free_[i]);
         if (watch_.cost(nullptr) == 0.0) // else it may have to leave it
             freedoms_[i] = {Freedom::Kind::plane, watch_.normal()};
     }
-    return true;
 }
 
 /// Free vertices at from + t step, each on its stratum.
@@ -77,7 +75,7 @@ void GroupDescent::place(const energy::Field &from, double t, const energy::Fiel
     for (std::size_t i = 0; i < free_.size(); ++i) {
         const Vertex &vertex = complex_.vertex(free_[i]);
         if (vertex.stratum != Stratum::interior)
-            guide_.admit(vertex, to[i], nullptr, hints_[i]);
+            guide_.admit(vertex, to[i], hints_[i]);
     }
 }
 
@@ -165,8 +163,9 @@ class GroupDescent::Moving {
 bool GroupDescent::relax_round(int t) {
     constexpr energy::LbfgsForm form{.memory = 8, .iterations = 10, .trials = 8, .shorter = 0.4, .worth = 1e-3};
     gather(t);
-    if (free_.empty() || !hold())
+    if (free_.empty())
         return false;
+    hold();
     load();
     Moving moving(*this, complex_.vertex(complex_.tet(t)[0]).size);
     energy::descend(moving, form);

@@ -24,7 +24,7 @@ class GroupDescent {
     class Moving;
     void gather(int t);
     void load();
-    bool hold();
+    void hold();
     void place(const energy::Field &from, double t, const energy::Field &step, energy::Field &to);
     double evaluate(const energy::Field &at, double limit, energy::Field &gradient);
     bool settle(const energy::Field &at);

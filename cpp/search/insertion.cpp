@@ -171,7 +171,7 @@ std::optional<int> Operators::insert(int t0, const Vec3 &x, double slack) {
     return v;
 }
 
-std::optional<Vertex> Operators::surface_vertex(const Facet &at, const Vec3 &near) const {
+Vertex Operators::surface_vertex(const Facet &at, const Vec3 &near) const {
     Vertex vertex;
     vertex.position = near;
     vertex.stratum = Stratum::patch;
@@ -179,8 +179,7 @@ std::optional<Vertex> Operators::surface_vertex(const Facet &at, const Vec3 &nea
     vertex.hint = complex_.facet(sorted(at)).hints[0];
     for (int w : at)
         vertex.size += complex_.vertex(w).size / 3.0;
-    if (!guide_.admit(vertex, vertex.position))
-        return std::nullopt;
+    guide_.admit(vertex, vertex.position);
     return vertex;
 }
 
@@ -228,10 +227,8 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     const int patch = complex_.patch_of(at[0], at[1], at[2]);
     if (!split_surface || patch < 0 || fixes(patch))
         return std::nullopt;
-    const auto vertex = surface_vertex(at, near);
-    if (!vertex)
-        return std::nullopt;
-    const Vec3 x = vertex->position;
+    const Vertex vertex = surface_vertex(at, near);
+    const Vec3 x = vertex.position;
     std::vector<Facet> open{sorted(at)};
     std::vector<Edge> rim;
     if (!find_rim(grow_opening(x, patch, open), open, rim))
@@ -239,7 +236,7 @@ std::optional<int> Operators::insert_on_surface(const Facet &at, const Vec3 &nea
     start_cavity(open);
     if (!grow_cavity(x, open))
         return std::nullopt;
-    const int v = complex_.add_vertex(*vertex);
+    const int v = complex_.add_vertex(vertex);
     if (!cone_cavity(v, open, slack) || !cone_is_closed(v, rim))
         return std::nullopt;
     watch_.clear();

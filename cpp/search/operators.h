@@ -156,11 +156,11 @@ class Operators {
     /// Find the surface facets at the edge in the ring; whether it may be split for them and its curve.
     bool splits(int a, int b, std::vector<SplitFacet> &facets) const;
     /// A vertex for the middle of the edge, or for where the surface is farthest from the facets at it.
-    std::optional<Vertex> middle_vertex(int a, int b, const std::vector<SplitFacet> &facets) const;
+    Vertex middle_vertex(int a, int b, const std::vector<SplitFacet> &facets) const;
     /// The halves of the ring's tets become the candidates; returns the energy of the whole ones.
     double halve_tets(int a, int b, int v);
     /// A vertex of the facet's patch near x.
-    std::optional<Vertex> surface_vertex(const Facet &at, const Vec3 &near) const;
+    Vertex surface_vertex(const Facet &at, const Vec3 &near) const;
     /// Take in the facets round those that are open that make room for x, across edges that are no creases; returns all
     /// edges of theirs, in order, those between two of them twice.
     std::vector<Edge> grow_opening(const Vec3 &x, int patch, std::vector<Facet> &open);

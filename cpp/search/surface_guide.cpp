@@ -250,29 +250,21 @@ Freedom SurfaceGuide::admit_on(const Curve &curve, Vec3 &x, std::int32_t &hint) 
     return {Freedom::Kind::plane, curve.plane->normal()};
 }
 
-bool SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const {
-    Freedom left;
+Freedom SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, std::int32_t &hint) const {
     switch (vertex.stratum) {
+    case Stratum::patch:
+        return admit_on(patches_[vertex.label], x, hint);
+    case Stratum::crease:
+        return admit_on(curves_[vertex.label], x, hint);
+    case Stratum::corner: {
+        const auto own = at_corners_.find(vertex.label);
+        pull_to(corners_.at(vertex.label), kTube * (own == at_corners_.end() ? tolerance_ : own->second), x);
+        break;
+    }
     case Stratum::interior:
         break;
-    case Stratum::patch:
-        left = admit_on(patches_[vertex.label], x, hint);
-        break;
-    case Stratum::crease:
-        left = admit_on(curves_[vertex.label], x, hint);
-        break;
-    case Stratum::corner: {
-        const auto home = corners_.find(vertex.label);
-        if (home == corners_.end())
-            return false;
-        const auto own = at_corners_.find(vertex.label);
-        pull_to(home->second, kTube * (own == at_corners_.end() ? tolerance_ : own->second), x);
-        break;
     }
-    }
-    if (freedom)
-        *freedom = left;
-    return true;
+    return {};
 }
 
 bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {

@@ -45,12 +45,12 @@ class SurfaceGuide {
     bool moves(const Vertex &vertex) const {
         return vertex.stratum != Stratum::corner || corners_.contains(vertex.label);
     }
-    /// Put x where the vertex may be and say how it may go on from there. False: it may not move at all. `hint` is
-    /// where the surface was found last, the vertex's own at first.
-    bool admit(const Vertex &vertex, Vec3 &x, Freedom *freedom, std::int32_t &hint) const;
-    bool admit(const Vertex &vertex, Vec3 &x) const {
+    /// Put x where the vertex, which moves, may be and say how it may go on from there. `hint` is where the surface was
+    /// found last, the vertex's own at first.
+    Freedom admit(const Vertex &vertex, Vec3 &x, std::int32_t &hint) const;
+    Freedom admit(const Vertex &vertex, Vec3 &x) const {
         std::int32_t hint = vertex.hint;
-        return admit(vertex, x, nullptr, hint);
+        return admit(vertex, x, hint);
     }
 
     double tolerance() const { return tolerance_; }

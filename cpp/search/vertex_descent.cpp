@@ -67,8 +67,7 @@ bool VertexDescent::start(int v, std::int32_t &hint, Place &place) {
     place.energy = energy_.at(star_, place.x, &place.gradient);
     if (vertex.stratum != Stratum::interior) {
         Vec3 admitted = place.x;
-        if (!guide_.admit(vertex, admitted, &place.freedom, hint))
-            return false;
+        place.freedom = guide_.admit(vertex, admitted, hint);
         watch_.gather(v);
         add_watched(place);
         place.gradient = place.freedom.of(place.gradient);
@@ -98,8 +97,8 @@ bool VertexDescent::step_down(const Vertex &vertex, const Place &from, Vec3 d, d
     int refused = 0;
     for (int trial = 0; trial < kTrials; ++trial, t *= kShorter) {
         to.x = from.x + t * d;
-        if (surface && !guide_.admit(vertex, to.x, &to.freedom, hint))
-            continue;
+        if (surface)
+            to.freedom = guide_.admit(vertex, to.x, hint);
         const double limit = from.energy + kSufficient * t * slope;
         to.energy = energy_.at(star_, to.x, &to.gradient, limit);
         if (to.energy > limit)
@@ -161,8 +160,8 @@ bool VertexDescent::nudge(int v, const Vec3 &x) {
     Vec3 step = x - vertex.position;
     for (int trial = 0; trial < trials; ++trial, step = shorter * step) {
         Vec3 place = vertex.position + step;
-        if (surface && !guide_.admit(vertex, place))
-            continue;
+        if (surface)
+            guide_.admit(vertex, place);
         if (energy_.at(star_, place, nullptr) < kInfinity && (!surface || watch_.allows(place)))
             return settle(v, place);
     }
