@@ -21,23 +21,30 @@ bool SurfaceWatch::crossings_allow() {
             for (const int v : piece.key)
                 if (v != vertex_ && std::find(round.begin(), round.end(), v) == round.end())
                     round.push_back(v);
-    std::vector<std::array<Vec3, 3>> staying;
-    for (const int v : round)
-        for (const Beside &facet : beside(v)) {
-            beyond = beyond || complex_.over(facet.key) > 0.0;
-            staying.push_back(facet.corners);
+    std::vector<const Beside *> staying; // each at the first of its vertices that is in question
+    for (auto v = round.begin(); v != round.end(); ++v)
+        for (const Beside &facet : beside(*v)) {
+            const bool seen = std::any_of(facet.key.begin(), facet.key.end(),
+                                          [&](int w) { return std::find(round.begin(), v, w) != v; });
+            if (seen)
+                continue;
+            beyond = beyond || facet.over > 0.0;
+            staying.push_back(&facet);
         }
     return !beyond || !run_through(new_, staying) || run_through(old_, staying);
 }
 
-bool SurfaceWatch::run_through(const std::vector<Piece> &pieces, const std::vector<std::array<Vec3, 3>> &others) {
+/// Facets of one plane touch at most, so that others alone are looked at.
+bool SurfaceWatch::run_through(const std::vector<Piece> &pieces, const std::vector<const Beside *> &others) {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const auto through = [&](const std::array<Vec3, 3> &other) {
-            return geometry::triangles_cross(pieces[i].corners, other);
+        const Piece &piece = pieces[i];
+        const auto through = [&](int patch, const std::array<Vec3, 3> &other) {
+            return !(piece.planar && piece.patch == patch) && geometry::triangles_cross(piece.corners, other);
         };
-        if (std::any_of(others.begin(), others.end(), through) ||
+        if (std::any_of(others.begin(), others.end(),
+                        [&](const Beside *other) { return through(other->patch, other->corners); }) ||
             std::any_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(i),
-                        [&](const Piece &other) { return through(other.corners); }))
+                        [&](const Piece &other) { return through(other.patch, other.corners); }))
             return true;
     }
     return false;

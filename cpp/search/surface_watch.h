@@ -65,6 +65,7 @@ class SurfaceWatch {
         int patch;
         std::array<Vec3, 3> corners;
         std::int32_t hint; // where its patch is nearest to its middle
+        double over;
     };
     /// An edge between two facets of one patch.
     struct Hinge {
@@ -92,7 +93,7 @@ class SurfaceWatch {
     /// gone piece or place did.
     bool crossings_allow();
     /// Whether one of the pieces runs through another or one of the others.
-    static bool run_through(const std::vector<Piece> &pieces, const std::vector<std::array<Vec3, 3>> &others);
+    static bool run_through(const std::vector<Piece> &pieces, const std::vector<const Beside *> &others);
     Piece piece(const Facet &key, int patch) const;
     /// One that is in the complex.
     Piece present(const Facet &key, const TetComplex::SurfaceFacet &facet) const;

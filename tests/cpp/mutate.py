@@ -123,27 +123,30 @@ class Copy:
 
     folder: Path
 
-    def prepare(self) -> float:
-        """Make it anew and see that it passes; the seconds that its tests take."""
+    def fill(self) -> None:
+        """Make the sources anew."""
         shutil.rmtree(self.folder, ignore_errors=True)  # a copy that was left changed would not be compiled again
         for folder in ("cpp", "tests/cpp"):
             shutil.copytree(ROOT / folder, self.folder / "source" / folder)
         shutil.copy(ROOT / "CMakeLists.txt", self.folder / "source")
+
+    def prepare(self, name: str) -> None:
+        """Make one of the builds."""
         launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
         options = ["-DWCT_TESTS=ON", "-DWCT_CHECKS=ON", "-DCMAKE_BUILD_TYPE=None"]
         maker = f"-DCMAKE_MAKE_PROGRAM={Path(ninja.BIN_DIR) / 'ninja'}"
-        for name, flags in FLAGS.items():
-            places = ("-S", self.folder / "source", "-B", self.folder / name)
-            words = ("-G", "Ninja", maker, *options, f"-DCMAKE_CXX_FLAGS={flags}", *launcher)
-            code, said = command(Path(cmake.CMAKE_BIN_DIR) / "cmake", *places, *words)
-            if code or not self._build(name):
-                sys.exit(f"the core does not build\n{said[-4000:]}")
+        places = ("-S", self.folder / "source", "-B", self.folder / name)
+        words = ("-G", "Ninja", maker, *options, f"-DCMAKE_CXX_FLAGS={FLAGS[name]}", *launcher)
+        code, said = command(Path(cmake.CMAKE_BIN_DIR) / "cmake", *places, *words)
+        if code or not self._build(name):
+            sys.exit(f"the core does not build\n{said[-4000:]}")
+
+    def check(self, name: str, *chosen: str) -> float:
+        """See that the tests chosen pass; the seconds that they take."""
         began = time.monotonic()
-        noticed = self._verdict(BUILD, 3600.0)
-        took = time.monotonic() - began
-        if noticed := noticed or self._verdict(SANITIZED, 3600.0, "--source-file=*/tests/cpp/search*"):
+        if noticed := self._verdict(name, 3600.0, *chosen):
             sys.exit(f"without any change this test fails: {noticed}")
-        return took
+        return time.monotonic() - began
 
     def tried(self, change: Change, seconds: float, *, sanitized: bool) -> str | None:
         """The test that notices a change, "" where none does, None where it does not compile."""
@@ -222,7 +225,10 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1, help="how many are tried at a time")
     asked = parser.parse_args()
     copies = [Copy(WORK / str(job)) for job in range(asked.jobs)]
-    seconds = max(copy.prepare() for copy in copies)
+    for copy in copies:
+        copy.fill()
+        copy.prepare(BUILD)
+    seconds = copies[0].check(BUILD)
     sources = [*sorted((ROOT / "cpp" / "search").glob("*.cpp")), ROOT / "cpp" / "geometry" / "predicates.cpp"]
     files = [path.relative_to(ROOT) for path in sources if path.name != "checks.cpp"]
     drawn = [change for path in files for change in changes_of(path)]
@@ -241,6 +247,9 @@ def main() -> None:
 
     new = (k for k in range(len(drawn)) if k not in seen.noticed)
     share(takewhile(lambda _: len(seen.compiled()) < asked.count, new), sanitized=False)
+    for copy in copies:
+        copy.prepare(SANITIZED)
+    copies[0].check(SANITIZED, "--source-file=*/tests/cpp/search*")
     share(iter([k for k in seen.compiled() if not seen.noticed[k]]), sanitized=True)
     sys.stderr.write((WORK / "table.md").read_text(encoding="utf-8"))
 
