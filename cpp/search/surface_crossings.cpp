@@ -8,6 +8,15 @@
 
 namespace wct::search {
 
+namespace {
+
+/// Whether the facets have an edge in common.
+bool hinged(const Facet &f, const Facet &g) {
+    return std::count_if(f.begin(), f.end(), [&](int v) { return v == g[0] || v == g[1] || v == g[2]; }) >= 2;
+}
+
+} // namespace
+
 /// Facets near their patch do not meet others but where the surface does. One that is beyond the tolerance may close a
 /// slit, and what moves there get through its other side, though every tet stays positive.
 bool SurfaceWatch::crossings_allow() {
@@ -15,6 +24,8 @@ bool SurfaceWatch::crossings_allow() {
         return true;
     const auto over = [](const Piece &piece) { return piece.was_over > 0.0 || piece.over > 0.0; };
     bool beyond = std::any_of(old_.begin(), old_.end(), over) || std::any_of(new_.begin(), new_.end(), over);
+    if (!beyond && complex_.over_count() == 0)
+        return true;
     std::vector<int> round; // vertices of the facets in question, but for the one that moves
     for (const auto *pieces : {&old_, &new_})
         for (const Piece &piece : *pieces)
@@ -34,17 +45,16 @@ bool SurfaceWatch::crossings_allow() {
     return !beyond || !run_through(new_, staying) || run_through(old_, staying);
 }
 
-/// Facets of one plane touch at most, so that others alone are looked at.
+/// Facets of one plane, and those with a common edge, touch at most: the others are looked at.
 bool SurfaceWatch::run_through(const std::vector<Piece> &pieces, const std::vector<const Beside *> &others) {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const Piece &piece = pieces[i];
-        const auto through = [&](int patch, const std::array<Vec3, 3> &other) {
-            return !(piece.planar && piece.patch == patch) && geometry::triangles_cross(piece.corners, other);
+        const auto through = [&](const auto &other) {
+            return !(piece.planar && piece.patch == other.patch) && !hinged(piece.key, other.key) &&
+                   geometry::triangles_cross(piece.corners, other.corners);
         };
-        if (std::any_of(others.begin(), others.end(),
-                        [&](const Beside *other) { return through(other->patch, other->corners); }) ||
-            std::any_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(i),
-                        [&](const Piece &other) { return through(other.patch, other.corners); }))
+        if (std::any_of(others.begin(), others.end(), [&](const Beside *other) { return through(*other); }) ||
+            std::any_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(i), through))
             return true;
     }
     return false;
