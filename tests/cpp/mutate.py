@@ -154,7 +154,7 @@ class Copy:
         original = path.read_text(encoding="utf-8")
         path.write_text(change.applied(original.split("\n")), encoding="utf-8")
         beside = f"=*/tests/cpp/{change.path.parent.name}*"  # tests that notice most
-        longest = 60.0 + 6.0 * seconds
+        longest = 30.0 + 3.0 * seconds
         name = SANITIZED if sanitized else BUILD
         try:
             if not self._build(name):

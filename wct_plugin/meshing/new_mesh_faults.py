@@ -25,8 +25,8 @@ def find_fault(old: NormalizedMesh, new: TetMesh, on: Reference, tolerance: floa
         return "the new mesh has another topology"
     if stopped:
         surface = outer(on)
-        allowed = max(tolerance, measure_deviation(old.mesh.boundary_surface(), surface, compiled=True).max)
-        if measure_deviation(new.boundary_surface(), surface, compiled=True).max > allowed:
+        far = measure_deviation(new.boundary_surface(), surface, compiled=True).max
+        if far > tolerance and far > measure_deviation(old.mesh.boundary_surface(), surface, compiled=True).max:
             return "the new mesh is not near the surface yet"
     return ""
 
