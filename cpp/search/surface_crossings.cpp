@@ -22,27 +22,23 @@ bool hinged(const Facet &f, const Facet &g) {
 bool SurfaceWatch::crossings_allow() {
     if (complex_.over_count() == 0 && loose <= 0.0)
         return true;
-    const auto over = [](const Piece &piece) { return piece.was_over > 0.0 || piece.over > 0.0; };
-    bool beyond = std::any_of(old_.begin(), old_.end(), over) || std::any_of(new_.begin(), new_.end(), over);
-    if (!beyond && complex_.over_count() == 0)
-        return true;
     std::vector<int> round; // vertices of the facets in question, but for the one that moves
     for (const auto *pieces : {&old_, &new_})
         for (const Piece &piece : *pieces)
             for (const int v : piece.key)
                 if (v != vertex_ && std::find(round.begin(), round.end(), v) == round.end())
                     round.push_back(v);
+    const auto over = [](const Piece &piece) { return piece.was_over > 0.0 || piece.over > 0.0; };
+    if (std::none_of(old_.begin(), old_.end(), over) && std::none_of(new_.begin(), new_.end(), over) &&
+        std::none_of(round.begin(), round.end(), [&](int v) { return complex_.over_at(v) > 0; }))
+        return true;
     std::vector<const Beside *> staying; // each at the first of its vertices that is in question
     for (auto v = round.begin(); v != round.end(); ++v)
-        for (const Beside &facet : beside(*v)) {
-            const bool seen = std::any_of(facet.key.begin(), facet.key.end(),
-                                          [&](int w) { return std::find(round.begin(), v, w) != v; });
-            if (seen)
-                continue;
-            beyond = beyond || facet.over > 0.0;
-            staying.push_back(&facet);
-        }
-    return !beyond || !run_through(new_, staying) || run_through(old_, staying);
+        for (const Beside &facet : beside(*v))
+            if (std::none_of(facet.key.begin(), facet.key.end(),
+                             [&](int w) { return std::find(round.begin(), v, w) != v; }))
+                staying.push_back(&facet);
+    return !run_through(new_, staying) || run_through(old_, staying);
 }
 
 /// Facets of one plane, and those with a common edge, touch at most: the others are looked at.

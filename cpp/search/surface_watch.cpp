@@ -368,7 +368,7 @@ const std::vector<SurfaceWatch::Beside> &SurfaceWatch::beside(int v) {
     auto &out = beside_.emplace_back(v, std::vector<Beside>{}).second;
     for (const auto &[key, facet] : facets_)
         if (std::none_of(old_.begin(), old_.end(), [&](const Piece &p) { return same(p.key, key); }))
-            out.push_back({key, facet->patch, complex_.corners(key), facet->hints[0], facet->over});
+            out.push_back({key, facet->patch, complex_.corners(key), facet->hints[0]});
     return out;
 }
 

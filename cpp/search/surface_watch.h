@@ -65,7 +65,6 @@ class SurfaceWatch {
         int patch;
         std::array<Vec3, 3> corners;
         std::int32_t hint; // where its patch is nearest to its middle
-        double over;
     };
     /// An edge between two facets of one patch.
     struct Hinge {

@@ -107,6 +107,8 @@ class TetComplex {
     void set_over(const Facet &key, double over);
     /// How many facets are beyond the tolerance.
     int over_count() const { return over_count_; }
+    /// The same of those at v.
+    int over_at(int v) const { return over_at_[v]; }
     void set_hint(int v, std::int32_t hint) { vertices_[v].hint = hint; }
     void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
     /// Note that no tet on a surface facet, which must stay for ever, can meet the goal; whether t has such a facet.
