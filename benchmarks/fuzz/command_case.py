@@ -235,7 +235,8 @@ def _judge_optimized(case: Case, ran: Ran, folder: Path) -> list[str]:
     if goal in ("3wc", "cwc", "2wc"):
         before = exact.count_flags(old.points, old.tets, exact.TIE)  # what is so by too little, no flag says
         after = exact.count_flags(new.points, new.tets)
-        if result.share(after, goal, len(new.tets)) < result.share(before, goal, len(old.tets)):
+        fits = len(old.tets) <= case.options.get("max_tets", len(old.tets))  # else what came is no choice
+        if fits and result.share(after, goal, len(new.tets)) < result.share(before, goal, len(old.tets)):
             faults.append(
                 f"fewer tets are {goal}: {after[goal]} of {len(new.tets)} after {before[goal]} of {len(old.tets)}"
             )
