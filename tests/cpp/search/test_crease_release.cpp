@@ -6,7 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace wct::tests {
@@ -144,6 +146,40 @@ TEST_CASE("CreaseRelease: only creases near what is stuck go, in meshes of any s
             CHECK_FALSE(far.contains(curve));
         CHECK(fault(made.complex) == "");
     }
+}
+
+TEST_CASE("CreaseRelease: a corner where all creases went is one no more, others stay") {
+    Body made = ball(4, 0.2, 5);
+    // Three slices of a ball: three creases from one corner to the other.
+    Body body = stratified(made.points, made.tets, made.regions, [](const Vec3 &middle, const Vec3 &) {
+        return static_cast<int>(std::floor(std::atan2(middle.y, middle.x) / 2.0943951023931953 + 10.0));
+    });
+    body.size = made.size;
+    std::map<int, std::set<int>> curves_at;
+    for (std::size_t e = 0; e < body.creases.size(); ++e)
+        for (const int v : body.creases[e])
+            curves_at[v].insert(body.curve[e]);
+    REQUIRE(body.corners.size() == 2);
+    int freed = 0, held = 0;
+    for (const bool all : {true, false}) {
+        search::TetComplex complex = complex_of(body);
+        std::vector<std::uint8_t> loose(body.creases.size(), all); // as many curves at most
+        loose[0] = 1;
+        search::CreaseRelease search(complex,
+                                     {body.points, body.facets, body.patch, body.creases, body.curve, loose, 0.0, {}},
+                                     kTolerance, 0.125 * body.size);
+        search.run(little(), [](const char *, double, int) { return true; });
+        const std::set<int> gone(search.released().begin(), search.released().end());
+        REQUIRE_FALSE(gone.empty());
+        for (const int v : body.corners) { // corners keep their numbers: none is taken away
+            const bool free = std::includes(gone.begin(), gone.end(), curves_at[v].begin(), curves_at[v].end());
+            CHECK((complex.vertex(v).stratum == Stratum::corner) == !free);
+            ++(free ? freed : held);
+        }
+        CHECK(fault(complex) == "");
+    }
+    CHECK(freed == 2);
+    CHECK(held == 2);
 }
 
 } // namespace wct::tests
