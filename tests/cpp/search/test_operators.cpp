@@ -152,13 +152,33 @@ std::size_t landmarks(const search::TetComplex &complex) {
     return count;
 }
 
-/// Creases have the ends they had, and lead from one to the other: every vertex of a curve has two edges of it but for
-/// its ends.
+/// Greatest distance of points all along the edge to the curve.
+double distance_to_curve(const Body &body, const Vec3 &a, const Vec3 &b, int curve) {
+    constexpr int parts = 8;
+    long double most = 0;
+    for (int i = 0; i <= parts; ++i) {
+        const Vec3 p = a + (static_cast<double>(i) / parts) * (b - a);
+        long double least = std::numeric_limits<long double>::infinity();
+        for (std::size_t k = 0; k < body.creases.size(); ++k)
+            if (body.curve[k] == curve)
+                least = std::min(
+                    least, square_to(p, std::array{body.points[body.creases[k][0]], body.points[body.creases[k][1]]}));
+        most = std::max(most, least);
+    }
+    return static_cast<double>(std::sqrt(most));
+}
+
+/// Creases stay near their curves, have the ends they had, and lead from one to the other: every vertex of a curve has
+/// two edges of it but for its ends.
 std::string crease_fault(const Bench &bench) {
     std::map<std::pair<int, int>, int> degree; // by curve and vertex
-    for (const auto &[edge, curve] : bench.complex.creases())
+    for (const auto &[edge, curve] : bench.complex.creases()) {
+        if (distance_to_curve(bench.body, bench.complex.point(edge[0]), bench.complex.point(edge[1]), curve) >
+            kTolerance)
+            return "a crease is off its curve";
         for (const int v : edge)
             ++degree[{curve, v}];
+    }
     for (const auto &[at, count] : degree) {
         const Stratum stratum = bench.complex.vertex(at.second).stratum;
         if (stratum == Stratum::crease ? count != 2 : count != 1)
@@ -487,6 +507,36 @@ TEST_CASE("VertexDescent: a vertex that is held, or that went, is not moved") {
         ++went;
     }
     CHECK(went > 3);
+}
+
+TEST_CASE("Operators: a curve drawn on a plane stays where it is, though all facets at it are in the plane") {
+    const Body plain = cube(6, 0.1, 24);
+    // A spot on the upper side: its rim goes in steps along the lattice.
+    Body body = stratified(plain.points, plain.tets, plain.regions, [](const Vec3 &middle, const Vec3 &normal) {
+        const bool spot = middle.z > 0.999 && norm(middle - Vec3{0.5, 0.5, 1.0}) < 0.36;
+        return spot                         ? 6
+               : std::abs(normal.z) > 0.999 ? (normal.z > 0.0 ? 0 : 1)
+               : std::abs(normal.y) > 0.999 ? (normal.y > 0.0 ? 2 : 3)
+                                            : (normal.x > 0.0 ? 4 : 5);
+    });
+    body.size = plain.size;
+    Bench bench(body, 0.05);
+    const auto on_spot = [](const Vec3 &p) { return p.z == 1.0 && norm(p - Vec3{0.5, 0.5, 1.0}) < 0.49; };
+    int done = 0, refused = 0;
+    for (const auto &[edge, curve] : bench.complex.sorted_creases()) {
+        if (!on_spot(bench.complex.point(edge[0])) || !on_spot(bench.complex.point(edge[1])))
+            continue;
+        for (const auto &[a, b] : {edge, Edge{edge[1], edge[0]}}) {
+            bench.complex.mark();
+            const bool collapsed = bench.operators.collapse(a, b, kInfinity);
+            ++(collapsed ? done : refused);
+            for (const auto &[now, its] : bench.complex.sorted_creases())
+                REQUIRE(distance_to_curve(body, bench.complex.point(now[0]), bench.complex.point(now[1]), its) <= 0.05);
+            bench.complex.rollback();
+        }
+    }
+    CHECK(done > 0);
+    CHECK(refused > 10);
 }
 
 } // namespace wct::tests
