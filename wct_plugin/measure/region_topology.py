@@ -22,8 +22,6 @@ class RegionTopology(TypedDict):
 def measure_region_topology(mesh: TetMesh) -> dict[str, RegionTopology]:
     """Each region's, by its tag."""
     topology, regions = mesh.topology, mesh.regions
-    inner = topology.interior_pairs
-    same = inner[regions[inner[:, 0]] == regions[inner[:, 2]]]
     pairs = topology.interface_pairs
     half_facets = np.concatenate([topology.boundary_half_facets, pairs[:, :2], pairs[:, 2:]])
     out: dict[str, RegionTopology] = {}
@@ -33,7 +31,8 @@ def measure_region_topology(mesh: TetMesh) -> dict[str, RegionTopology]:
         sizes = surface_edges(surface, len(mesh.points))[3]
         joined, pinches = int((sizes != 2).sum()), int(pinched(surface, len(mesh.points)).sum())
         if joined or pinches:
-            shared = int((regions[same[:, 0]] == tag).sum())
+            inner = topology.interior_pairs
+            shared = int(((regions[inner[:, 0]] == tag) & (regions[inner[:, 2]] == tag)).sum())
             characteristic = _euler_characteristic(mesh.tets[rows], shared)
         else:
             # Round a vertex that tets fill in space lies a sphere or, on the surface, a disk. So this is a manifold,
