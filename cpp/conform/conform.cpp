@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <tuple>
+#include <utility>
 
 namespace wct::conform {
 
@@ -42,7 +44,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
     const domain::RegionMap map(mesh, reference);
     const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
     const SurfaceProbes probes(reference, given, options.held * options.tolerance);
-    ConformingCloud points(reference, mesh, stratum, label, size);
+    std::optional<ConformingCloud> points(std::in_place, reference, mesh, stratum, label, size), of_best;
     double sharpest = std::numeric_limits<double>::infinity();
     for (const auto &[a, b, c, d] : mesh.tets)
         sharpest = std::min(
@@ -50,13 +52,15 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
     sharpest *= options.sharpest;
     Random random(options.seed);
     Conformed best;
-    int since = 0;
+    int since = 0, astray = 0;
+    // Where nothing but slivers is left, changes against too many at once may bring faults back: then fewer are made.
+    double share = 1.0;
     for (int round = 0;
          round < options.effort * options.rounds && since < options.effort * options.patience && !monitor.stopped();
          ++round) {
-        Round now(points, reference, probes, map, options, sharpest, random, workers);
-        const ConformingCloud before = points;
-        const Faults faults = now.mend();
+        Round now(*points, reference, probes, map, options, sharpest, random, workers);
+        const ConformingCloud before = *points;
+        const Faults faults = now.mend(share);
         const bool intact = faults.unsound() == 0 &&
                             geometry::euler_characteristics(now.complex().all.tets, now.complex().region) == euler;
         if (round == 0 || std::tuple(!intact, faults.all(), faults.slivers) <
@@ -64,9 +68,17 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
             best = taken(before, now.complex(), reference);
             best.faults = faults;
             best.intact = intact;
+            of_best.emplace(before);
             since = 0;
+            share = std::min(1.0, 2.0 * share);
         } else {
             ++since;
+        }
+        astray = faults.all() == 0 ? 0 : astray + 1;
+        if (astray == options.astray && !options.one_sided && best.intact && best.faults.all() == 0) {
+            points.emplace(*of_best);
+            share = std::max(options.fewest, 0.5 * share);
+            astray = 0;
         }
         best.rounds = round + 1;
         monitor.set_bad(static_cast<std::int64_t>(best.faults.outer + best.faults.edges + best.faults.ties));
@@ -74,7 +86,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
         monitor.report(static_cast<double>(round) / (options.effort * options.rounds));
         const bool overgrown =
             since > 0 && now.complex().all.tets.size() > options.effort * options.most(mesh.tets.size());
-        if (overgrown || (intact && faults.all() == 0 && faults.slivers == 0))
+        if (overgrown || (intact && faults.all() == 0 && !now.may_change()))
             break;
     }
     best.stopped = monitor.stopped();

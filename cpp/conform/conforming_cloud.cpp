@@ -104,6 +104,18 @@ bool ConformingCloud::insert_inside(const Vec3 &p, int region, double size, doub
     return apart >= kLeast * size && put(p, Stratum::interior, region, size, apart);
 }
 
+bool ConformingCloud::put_in_plane(int point, const Vec3 &near) {
+    const domain::Foot foot = reference_.nearest(near, cloud_.label[point]);
+    Vec3 at = foot.point;
+    reference_.to_patch(at, foot); // the point nearest to a triangle is off its plane by a rounding
+    const double apart = kLeast * cloud_.size[point];
+    if (fresh_.crowded(at, apart) || surface_.crowded(at, apart, &cloud_.points[point]))
+        return false;
+    fresh_.add(at, apart);
+    cloud_.points[point] = at;
+    return true;
+}
+
 bool ConformingCloud::put(const Vec3 &p, Stratum role, int label, double size, double apart) {
     if (fresh_.crowded(p, apart) || surface_.crowded(p, kLeast * size))
         return false;

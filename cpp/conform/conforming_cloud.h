@@ -19,7 +19,8 @@ struct Segment {
     int curve;
 };
 
-/// The points of a mesh with the pieces of its creases: surface points stay, and more may be put between them.
+/// The points of a mesh with the pieces of its creases: surface points stay where they are,
+/// or within their plane, and more may be put between them.
 class ConformingCloud {
   public:
     /// `stratum`, `label` per point of the mesh: its role, and the patch or curve. `reference` has the mesh's points.
@@ -40,6 +41,8 @@ class ConformingCloud {
     void remove(const std::vector<char> &gone);
     /// Move an interior point.
     void shift(int point, const Vec3 &by) { cloud_.points[point] += by; }
+    /// Move a point of a planar patch to the place of its plane nearest to this one; false if another point is there.
+    bool put_in_plane(int point, const Vec3 &near);
     /// Cut a segment in two: in the middle or, at a corner, on a sphere round it that all segments there share, so that
     /// the cuts of two that meet at a small angle do not call for each other for ever.
     bool split(std::size_t segment);

@@ -1,6 +1,7 @@
 #include "conform/round.h"
 
 #include "delaunay/flat_tets.h"
+#include "geometry/closest_point.h"
 #include "geometry/dihedral_angles.h"
 #include "sampling/pinch_mending.h"
 
@@ -18,6 +19,9 @@ constexpr double kRoom = 0.5;      // between a new point inside and the surface
 constexpr double kShift = 0.1;     // of a point that leaves a sliver's sphere, in sizes
 constexpr double kGap = 0.4;       // of other new points from one at the center of a circle or sphere, in its radii
 constexpr double kJitter = 0.1;    // longest way of a point from a center that others may share, in sizes
+constexpr double kOnSurface = 1e-5; // distance, in sizes, of what lies in the surface but for rounding
+constexpr double kNearly = 0.15;   // between points that are nearly opposite, in sizes,
+constexpr double kOpposite = 1e-9; // and those that are so
 constexpr double kOff = 0.4; // width, in radii, of where a point may come for a circle's center: squares make squares
 
 } // namespace
@@ -37,7 +41,7 @@ Round::Round(ConformingCloud &points, const domain::Reference &reference, const 
     std::erase_if(flaws_.pinched, [&](int v) { return cloud_.role[v] == Stratum::corner; });
 }
 
-Faults Round::mend() {
+Faults Round::mend(double share) {
     gone_.assign(cloud_.count(), 0);
     points_.begin_round();
     mend_creases();
@@ -47,7 +51,7 @@ Faults Round::mend() {
     if (options_.one_sided)
         mend_ties();
     if (faults_.all() == 0)
-        mend_slivers();
+        mend_slivers(share);
     points_.remove(gone_);
     return faults_;
 }
@@ -66,15 +70,29 @@ bool Round::outer(int t, int i) const {
 void Round::take_in_flat() {
     for (std::size_t t = 0; t < complex_.region.size(); ++t) {
         const auto &tet = complex_.all.tets[t];
-        if (complex_.region[t] >= 0 || std::any_of(tet.begin(), tet.end(), [&](int v) { return inside(v); }))
-            continue;
-        const std::vector<int> shared = sampling::shared_patches(cloud_, reference_, tet);
-        if (shared.empty()) {
-            complex_.region[t] = map_.region(cloud_.centroid(tet), -1);
-        } else if (const auto &[behind, before] = reference_.data().sides[shared[0]]; before >= 0) {
-            complex_.region[t] = behind;
-        }
+        if (complex_.region[t] < 0 && std::none_of(tet.begin(), tet.end(), [&](int v) { return inside(v); }))
+            complex_.region[t] = region_of_flat(tet);
     }
+}
+
+int Round::region_of_flat(const Tet &tet) const {
+    const Vec3 middle = cloud_.centroid(tet);
+    const double most = kOnSurface * cloud_.size[tet[0]];
+    const domain::SurfaceData &data = reference_.data();
+    std::vector<int> patches; // that it lies in: several where they meet
+    reference_.tree().visit([&](const geometry::Box &box) { return box.square(middle) <= most * most; },
+                            [&](std::size_t triangle) {
+                                const auto &[a, b, c] = data.triangles[triangle];
+                                const std::array corners{data.points[a], data.points[b], data.points[c]};
+                                if (norm(geometry::closest_on(corners, middle) - middle) <= most)
+                                    patches.push_back(data.patch[triangle]);
+                                return false;
+                            });
+    if (patches.empty())
+        return map_.region(middle, -1);
+    const bool in_hull =
+        std::any_of(patches.begin(), patches.end(), [&](int patch) { return data.sides[patch][1] < 0; });
+    return in_hull ? -1 : data.sides[*std::min_element(patches.begin(), patches.end())][0];
 }
 
 void Round::peel() {
@@ -344,31 +362,61 @@ void Round::put_inside(int t) {
                           kGap * std::min(size, spheres_[t].radius));
 }
 
-void Round::mend_slivers() {
+void Round::mend_slivers(double share) {
     std::vector<char> touched(gone_.size(), 0);
     for (int t = 0; t < static_cast<int>(spheres_.size()); ++t) {
         const auto &tet = complex_.all.tets[t];
         if (complex_.region[t] < 0 || geometry::smallest_dihedral(corners(tet)) >= sharpest_)
             continue;
-        std::vector<int> free;
-        std::copy_if(tet.begin(), tet.end(), std::back_inserter(free), [&](int v) { return inside(v); });
-        const bool in_plane = free.empty() && !sampling::shared_patches(cloud_, reference_, tet).empty();
-        if (free.empty() && !in_plane && !has_room(spheres_[t]))
-            continue;
         ++faults_.slivers;
-        if (std::any_of(tet.begin(), tet.end(), [&](int v) { return touched[v]; }))
+        const bool waits = std::any_of(tet.begin(), tet.end(), [&](int v) { return touched[v]; }) ||
+                           (share < 1.0 && random_.uniform() >= share);
+        if (!waits && !mend_sliver(t))
             continue;
-        for (const int v : tet)
-            touched[v] = 1;
-        if (in_plane)
-            split_facet({tet[0], tet[1], tet[2]}, kOff);
-        else if (free.empty())
-            put_inside(t);
-        else {
-            const int v = free[random_.below(static_cast<int>(free.size()))];
-            points_.shift(v, kShift * cloud_.size[v] * random_.normal3());
+        may_change_ = true;
+        if (!waits)
+            for (const int v : tet)
+                touched[v] = 1;
+    }
+}
+
+bool Round::mend_sliver(int t) {
+    const auto &tet = complex_.all.tets[t];
+    std::vector<int> free;
+    std::copy_if(tet.begin(), tet.end(), std::back_inserter(free), [&](int v) { return inside(v); });
+    if (!free.empty()) {
+        const int v = free[random_.below(static_cast<int>(free.size()))];
+        points_.shift(v, kShift * cloud_.size[v] * random_.normal3());
+    } else if (!sampling::shared_patches(cloud_, reference_, tet).empty()) {
+        split_facet({tet[0], tet[1], tet[2]}, kOff);
+    } else if (has_room(spheres_[t])) {
+        put_inside(t);
+    } else {
+        return !options_.one_sided && face(tet); // where no dual may have length zero, no rectangle may be
+    }
+    return true;
+}
+
+bool Round::face(const Tet &tet) {
+    std::vector<int> fresh, own;
+    for (const int v : tet) {
+        const int patch = cloud_.label[v];
+        if (cloud_.role[v] != Stratum::patch || !reference_.planar(patch))
+            continue;
+        (points_.origin()[v] < 0 ? fresh : own).push_back(v);
+        for (const int w : tet) {
+            const Vec3 &opposite = cloud_.points[w];
+            const double off = norm(reference_.nearest(opposite, patch).point - cloud_.points[v]);
+            if (w != v && off > kOpposite * cloud_.size[v] && off < kNearly * cloud_.size[v] &&
+                points_.put_in_plane(v, opposite))
+                return true;
         }
     }
+    const std::vector<int> &movable = fresh.empty() ? own : fresh;
+    if (movable.empty())
+        return false;
+    const int v = movable[random_.below(static_cast<int>(movable.size()))];
+    return points_.put_in_plane(v, cloud_.points[v] + kShift * cloud_.size[v] * random_.normal3());
 }
 
 bool Round::has_room(const geometry::Sphere &ball) const {

@@ -23,8 +23,11 @@ class Round {
 
     const sampling::RestrictedDelaunay &complex() const { return complex_; }
 
-    /// Look for faults and change the points against them; the complex is then out of date.
-    Faults mend();
+    /// Look for faults and change the points against them, where there are none but slivers against about this share of
+    /// those; the complex is then out of date.
+    Faults mend(double share);
+    /// Whether anything was done against slivers, or waits for another round.
+    bool may_change() const { return may_change_; }
 
   private:
     template <std::size_t n> std::array<Vec3, n> corners(const std::array<int, n> &cell) const {
@@ -41,9 +44,10 @@ class Round {
     /// Must the circumcenter stay on this side of the facet? Where a region ends, but for a single Delaunay one.
     bool outer(int t, int i) const;
 
-    /// Flat tets between surface points are not outside but where they lie in the boundary: between the two sides of a
-    /// layer they belong to it, in an interface to the region behind it.
+    /// Flat tets between surface points are not outside but where they lie in the boundary, of one patch or of several
+    /// in one plane: between the two sides of a layer they belong to it, in an interface to the region behind it.
     void take_in_flat();
+    int region_of_flat(const Tet &tet) const;
 
     /// Take flat tets with their circumcenter beyond them off curved patches: flips of the surface. At an interface
     /// they go to the region beyond.
@@ -84,9 +88,17 @@ class Round {
     void put_inside(int t);
 
     /// Flat tets are no faults of a Delaunay mesh, but what is given has none: points inside are moved out of the
-    /// sphere of such a tet, and where all four are on the surface one more comes into it. In layers too thin for that
-    /// they stay: a point in the middle of a layer lies in the spheres of all facets round it.
-    void mend_slivers();
+    /// sphere of such a tet, and where all four are on the surface one more comes into it. In layers too thin for that,
+    /// as a point in the middle of a layer lies in the spheres of all facets round it, points of one side are put
+    /// exactly opposite those of the other.
+    void mend_slivers(double share);
+    bool mend_sliver(int t);
+
+    /// Where points of two planes are nearly opposite each other, as where both sides of a layer were meshed alike, four
+    /// of them are nearly on a circle, and what is nearly flat between them is Delaunay. Put a point of this tet
+    /// opposite another one, within its plane: then flat tets can be taken out. Where none is nearly opposite, a new
+    /// point is moved a little. False if there is none to be moved.
+    bool face(const Tet &tet);
 
     bool has_room(const geometry::Sphere &ball) const;
     void mend_tie(int t, int i, int other, std::vector<char> &moved);
@@ -105,6 +117,7 @@ class Round {
     std::vector<std::pair<int, domain::Foot>> ridges_; // slivers on a bend too sharp to take them off
     sampling::Flaws flaws_;
     Faults faults_;
+    bool may_change_ = false;
     std::vector<char> gone_;
     std::vector<int> all_inside_;
 };

@@ -36,7 +36,7 @@ class Flips {
             changed = false;
             for (std::size_t t = 0; t < all_.tets.size(); ++t)
                 if (!gone_[t] && label_[t] >= 0 && angle(all_.tets[t]) < sharpest)
-                    changed = take_out(static_cast<int>(t)) || changed;
+                    changed = take_out(static_cast<int>(t)) || make_way(static_cast<int>(t), sharpest) || changed;
         }
         drop_gone();
     }
@@ -49,7 +49,34 @@ class Flips {
     bool take_out(int t) {
         const Corners tet = all_.tets[t];
         return std::any_of(std::begin(kEdges), std::end(kEdges),
-                           [&](const auto &e) { return flip(t, tet[e[0]], tet[e[1]]); });
+                           [&](const auto &e) { return flip(t, tet[e[0]], tet[e[1]], 4.0); });
+    }
+
+    /// Tets beside t may leave no way to fill what is round its edges, as three rectangles of a prism do that are cut
+    /// one after the other in a circle: flip them, though nothing is won by it, until t can be taken out.
+    bool make_way(int t, double sharpest) {
+        std::vector<int> beside;
+        for (const int next : all_.neighbours[t])
+            if (next >= 0) {
+                beside.push_back(next);
+                beside.insert(beside.end(), all_.neighbours[next].begin(), all_.neighbours[next].end());
+            }
+        for (const int other : beside) {
+            if (other < 0 || other == t || gone_[other] || label_[other] != label_[t])
+                continue;
+            const Corners tet = all_.tets[other];
+            for (const auto &e : kEdges) {
+                const int a = tet[e[0]], b = tet[e[1]];
+                if (place_of(all_.tets[t], a) < 4 && place_of(all_.tets[t], b) < 4)
+                    continue; // an edge of t
+                if (flip(other, a, b, sharpest)) {
+                    if (take_out(t))
+                        return true;
+                    break;
+                }
+            }
+        }
+        return false;
     }
 
     /// The tets round the edge (a, b) of tet t, in turn, and the corners of its link; false if there are too many, the
@@ -77,28 +104,28 @@ class Flips {
         }
     }
 
-    bool flip(int t, int a, int b) {
+    /// Take the edge (a, b) of t out, if what comes is less flat than what goes or than `enough`.
+    bool flip(int t, int a, int b, double enough) {
         if (!walk(t, a, b) || ring_.size() < 3)
             return false;
         const auto &r = link_;
         if (geometry::orient3d(points_[a], points_[b], points_[r[0]], points_[r[1]]) < 0)
             std::swap(a, b); // the link now turns to the left as seen from b
-        double flattest = 4.0;
+        double flattest = enough;
         for (const int at : ring_)
             flattest = std::min(flattest, angle(all_.tets[at]));
         look_around(a, b);
-        std::vector<std::vector<std::array<int, 3>>> ways{{{r[0], r[1], r[2]}}};
-        if (r.size() == 4)
-            ways = {{{r[0], r[1], r[2]}, {r[0], r[2], r[3]}}, {{r[1], r[2], r[3]}, {r[1], r[3], r[0]}}};
         std::vector<Corners> best;
-        for (const auto &way : ways) {
+        for (std::size_t k = 0; k + 2 < r.size(); ++k) { // triangles from corner k of the link to all edges of it
             std::vector<Corners> made;
             double least = 4.0;
-            for (const auto &[x, y, z] : way)
+            for (std::size_t i = 1; i + 1 < r.size(); ++i) {
+                const int x = r[k], y = r[(k + i) % r.size()], z = r[(k + i + 1) % r.size()];
                 for (const Corners &tet : {Corners{x, y, z, b}, Corners{x, z, y, a}}) {
                     made.push_back(tet);
                     least = std::min(least, fits(tet, a, b) ? angle(tet) : -1.0);
                 }
+            }
             if (least > flattest) {
                 flattest = least;
                 best = made;

@@ -217,52 +217,53 @@ void PointGrid::add(const Vec3 &p, double radius) {
     }
 }
 
-bool PointGrid::Level::cell_hit(const Index &index, const Vec3 &p, double radius) const {
+bool PointGrid::Level::cell_hit(const Index &index, const Query &query) const {
     const auto found = cells.find(index);
     return found != cells.end() && std::any_of(found->second.begin(), found->second.end(), [&](const Item &item) {
-               const Vec3 d = item.point - p;
-               const double limit = 0.5 * (radius + item.radius);
-               return dot(d, d) < limit * limit;
+               const Vec3 d = item.point - query.point;
+               const double limit = 0.5 * (query.radius + item.radius);
+               return dot(d, d) < limit * limit && !(query.but && item.point == *query.but);
            });
 }
 
-bool PointGrid::Level::reaches(int level, const Index &index, const Vec3 &p, double radius) const {
-    const double side = std::ldexp(cell, kShift * (level + 1)), limit = 0.5 * (radius + cell);
+bool PointGrid::Level::reaches(int level, const Index &index, const Query &query) const {
+    const double side = std::ldexp(cell, kShift * (level + 1)), limit = 0.5 * (query.radius + cell);
     const auto off = [&](double x, std::int64_t along) {
         const double low = static_cast<double>(along) * side;
         return std::max({0.0, low - x, x - (low + side)});
     };
-    const double x = off(p.x, index[0]), y = off(p.y, index[1]), z = off(p.z, index[2]);
+    const double x = off(query.point.x, index[0]), y = off(query.point.y, index[1]), z = off(query.point.z, index[2]);
     return x * x + y * y + z * z <= limit * limit;
 }
 
-bool PointGrid::Level::block_hit(int level, const Index &index, const Vec3 &p, double radius) const {
-    if (!reaches(level, index, p, radius))
+bool PointGrid::Level::block_hit(int level, const Index &index, const Query &query) const {
+    if (!reaches(level, index, query))
         return false;
     if (level < 0)
-        return cell_hit(index, p, radius);
+        return cell_hit(index, query);
     const auto &below = blocks[static_cast<std::size_t>(level)].at(index);
     return std::any_of(below.begin(), below.end(),
-                       [&](const Index &one) { return block_hit(level - 1, one, p, radius); });
+                       [&](const Index &one) { return block_hit(level - 1, one, query); });
 }
 
-bool PointGrid::crowded(const Vec3 &p, double radius) const {
+bool PointGrid::crowded(const Query &query) const {
     constexpr double few = 64.0; // cells
     for (const Level &level : levels_) {
-        const double reach = 0.5 * (radius + level.cell); // no radius on this level exceeds its cell
+        const double reach = 0.5 * (query.radius + level.cell); // no radius on this level exceeds its cell
         const double across = 2.0 * reach / level.cell + 1.0;
         if (across * across * across > few) {
             for (const auto &[index, below] : level.blocks.back())
-                if (level.block_hit(kBlocks - 1, index, p, radius))
+                if (level.block_hit(kBlocks - 1, index, query))
                     return true;
             continue;
         }
+        const Vec3 &p = query.point;
         const auto lo = [&](double x) { return cell_of(x - reach, level.cell); };
         const auto hi = [&](double x) { return cell_of(x + reach, level.cell); };
         for (auto i = lo(p.x); i <= hi(p.x); ++i)
             for (auto j = lo(p.y); j <= hi(p.y); ++j)
                 for (auto k = lo(p.z); k <= hi(p.z); ++k)
-                    if (level.cell_hit({i, j, k}, p, radius))
+                    if (level.cell_hit({i, j, k}, query))
                         return true;
     }
     return false;

@@ -73,8 +73,8 @@ void retract_to_shell(Cloud &cloud, const domain::Reference &reference, double s
 class PointGrid {
   public:
     void add(const Vec3 &p, double radius);
-    /// Is a point closer than the mean of its radius and this one?
-    bool crowded(const Vec3 &p, double radius) const;
+    /// Is a point closer than the mean of its radius and this one, not counting those in the place `but`?
+    bool crowded(const Vec3 &p, double radius, const Vec3 *but = nullptr) const { return crowded({p, radius, but}); }
 
   private:
     using Index = std::array<std::int64_t, 3>; // of a cell or a block, along the axes
@@ -85,6 +85,12 @@ class PointGrid {
         Vec3 point;
         double radius;
     };
+    struct Query {
+        Vec3 point;
+        double radius;
+        const Vec3 *but; // nullptr: all points count
+    };
+    bool crowded(const Query &query) const;
     static constexpr int kBlocks = 3; // levels of blocks over the cells
     static constexpr int kShift = 4;  // two to that many of one level along an axis make a block of the next
     struct Level {
@@ -94,10 +100,10 @@ class PointGrid {
         /// blocks are out of its reach.
         std::array<std::unordered_map<Index, std::vector<Index>, IndexHash>, kBlocks> blocks;
 
-        bool cell_hit(const Index &index, const Vec3 &p, double radius) const;
+        bool cell_hit(const Index &index, const Query &query) const;
         /// A block of a level, or a cell at level -1.
-        bool block_hit(int level, const Index &index, const Vec3 &p, double radius) const;
-        bool reaches(int level, const Index &index, const Vec3 &p, double radius) const;
+        bool block_hit(int level, const Index &index, const Query &query) const;
+        bool reaches(int level, const Index &index, const Query &query) const;
     };
     std::vector<Level> levels_; // ascending cells
 };

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 from support.builders import ball, cylinder, jittered_cube, kuhn_cube, kuhn_grid, l_shape, rotation, two_region_cube
 from support.couples import couples
 from support.gmsh_bodies import ball_in_box, layered_box
@@ -208,15 +209,17 @@ def test_exit_codes_of_optimize_and_report(tmp_path, capsys):
 @pytest.fixture(scope="module")
 def devices(tmp_path_factory):
     folder = tmp_path_factory.mktemp("devices")
+    thin = layered_box(folder, 0.06, 0.2)
     return {
         "layer": layered_box(folder, 0.15, 0.2),
-        "thin layer": layered_box(folder, 0.06, 0.2),
+        "thin layer": thin,
+        "turned layer": thin.altered(points=thin.points @ rotation(1).T),
         "ball in a box": ball_in_box(folder, 0.25),
     }
 
 
 @pytest.mark.parametrize("goal", ["delaunay", "one-sided"])
-@pytest.mark.parametrize("name", ["layer", "thin layer", "ball in a box"])
+@pytest.mark.parametrize("name", ["layer", "thin layer", "turned layer", "ball in a box"])
 def test_each_region_has_couples_of_its_own_that_are_not_negative(devices, name, goal):
     before = devices[name]
     after, metrics = run(before, goal)
@@ -232,9 +235,45 @@ def test_each_region_has_couples_of_its_own_that_are_not_negative(devices, name,
 
 
 def test_no_flat_tets_come_in(devices):
-    for name in ("layer", "ball in a box"):
+    for name in ("layer", "turned layer", "ball in a box"):
         least = [
             quality.measure(mesh).min_dihedral_angle.min()
             for mesh in (devices[name], run(devices[name], "delaunay")[0])
         ]
         assert least[1] >= 0.5 * least[0], name
+
+
+def stack(seed: int) -> TetMesh:
+    """Two blocks with a thin layer between, of prisms, the points of its sides nearly but not quite over each other."""
+    rng = np.random.default_rng(seed)
+    n = 9
+    flat = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=-1).reshape(-1, 2) / (n - 1.0)
+    free = ((flat > 0) & (flat < 1)).all(axis=1)
+    flat[free] += rng.uniform(-0.2, 0.2, (int(free.sum()), 2)) / (n - 1)
+    triangles = np.sort(Delaunay(flat).simplices, axis=1)
+    levels = np.array([0.0, 0.12, 0.24, 0.28, 0.4, 0.52])
+    points = np.concatenate([np.column_stack([flat, np.full(len(flat), z)]) for z in levels])
+    points[:, :2][np.tile(free, len(levels))] += rng.normal(0.0, 1e-4, (int(free.sum()) * len(levels), 2))
+    a, b, c = triangles.T
+    up = len(flat)
+    prism = np.concatenate([np.stack(t, axis=1) for t in ((a, b, c, c + up), (a, b, b + up, c + up))])
+    prism = np.concatenate([prism, np.stack((a, a + up, b + up, c + up), axis=1)])
+    tets = np.concatenate([prism + level * up for level in range(len(levels) - 1)])
+    turned = np.linalg.det(points[tets[:, 1:]] - points[tets[:, :1]]) < 0
+    tets[turned] = tets[turned][:, [1, 0, 2, 3]]
+    return TetMesh(points, tets, regions=np.repeat([1, 1, 2, 1, 1], len(prism)))
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize("seed", [0, 5, 6, 7])
+def test_a_layer_meshed_alike_on_both_sides_gets_no_flat_tets(seed, turn):
+    before = stack(seed)
+    if turn:
+        before = before.altered(points=before.points @ rotation(seed).T)
+    after, metrics = run(before, "delaunay")
+    assert metrics["bad"] == 0
+    assert metrics["losses"] == []
+    least = [quality.measure(mesh).min_dihedral_angle.min() for mesh in (before, after)]
+    assert least[1] >= 0.5 * least[0]
+    assert min(couples(after).values()) > -1e-12
+    assert np.allclose(region_volumes(after), region_volumes(before), rtol=1e-12)
