@@ -25,8 +25,8 @@ struct ConformOptions {
     int effort = 1; // multiplies the rounds
 
     static constexpr int rounds = 80;
-    static constexpr int patience = 20; // rounds without progress
-    static constexpr int astray = 3;    // with faults, after which slivers are mended from the best state again,
+    static constexpr int patience = 20;   // rounds without progress
+    static constexpr int astray = 3;      // with faults, after which slivers are mended from the best state again,
     static constexpr double fewest = 0.1; // and about this share of them, at least
     /// Tets with which a round without progress is the last, by how many came: near ties can multiply them in each.
     static constexpr std::size_t most(std::size_t tets) { return 10'000 + 50 * tets; }
@@ -44,7 +44,8 @@ struct Faults {
     std::size_t outer = 0;   // boundary facets whose tet has its circumcenter beyond them
     std::size_t edges = 0;   // edges of the boundary whose dual area is not positive
     std::size_t ties = 0;    // facets inside with a dual edge of no length
-    std::size_t slivers = 0; // once nothing else is wrong, tets much sharper than any that came in: no fault of the goal
+    std::size_t slivers =
+        0; // once nothing else is wrong, tets much sharper than any that came in: no fault of the goal
     std::size_t unsound() const { return creases + surface + off; }
     std::size_t all() const { return unsound() + outer + edges + ties; }
 };

@@ -13,15 +13,15 @@ namespace wct::conform {
 
 namespace {
 
-constexpr double kApart = 0.1;     // of new points that bring a surface back, in sizes
-constexpr double kThinnest = 1e-3; // layer, in radii of a facet's circle
-constexpr double kRoom = 0.5;      // between a new point inside and the surface, in radii of the tet it comes into
-constexpr double kShift = 0.1;     // of a point that leaves a sliver's sphere, in sizes
-constexpr double kGap = 0.4;       // of other new points from one at the center of a circle or sphere, in its radii
-constexpr double kJitter = 0.1;    // longest way of a point from a center that others may share, in sizes
+constexpr double kApart = 0.1;      // of new points that bring a surface back, in sizes
+constexpr double kThinnest = 1e-3;  // layer, in radii of a facet's circle
+constexpr double kRoom = 0.5;       // between a new point inside and the surface, in radii of the tet it comes into
+constexpr double kShift = 0.1;      // of a point that leaves a sliver's sphere, in sizes
+constexpr double kGap = 0.4;        // of other new points from one at the center of a circle or sphere, in its radii
+constexpr double kJitter = 0.1;     // longest way of a point from a center that others may share, in sizes
 constexpr double kOnSurface = 1e-5; // distance, in sizes, of what lies in the surface but for rounding
-constexpr double kNearly = 0.15;   // between points that are nearly opposite, in sizes,
-constexpr double kOpposite = 1e-9; // and those that are so
+constexpr double kNearly = 0.15;    // between points that are nearly opposite, in sizes,
+constexpr double kOpposite = 1e-9;  // and those that are so
 constexpr double kOff = 0.4; // width, in radii, of where a point may come for a circle's center: squares make squares
 
 } // namespace

@@ -94,8 +94,8 @@ class Round {
     void mend_slivers(double share);
     bool mend_sliver(int t);
 
-    /// Where points of two planes are nearly opposite each other, as where both sides of a layer were meshed alike, four
-    /// of them are nearly on a circle, and what is nearly flat between them is Delaunay. Put a point of this tet
+    /// Where points of two planes are nearly opposite each other, as where both sides of a layer were meshed alike,
+    /// four of them are nearly on a circle, and what is nearly flat between them is Delaunay. Put a point of this tet
     /// opposite another one, within its plane: then flat tets can be taken out. Where none is nearly opposite, a new
     /// point is moved a little. False if there is none to be moved.
     bool face(const Tet &tet);

@@ -242,8 +242,7 @@ bool PointGrid::Level::block_hit(int level, const Index &index, const Query &que
     if (level < 0)
         return cell_hit(index, query);
     const auto &below = blocks[static_cast<std::size_t>(level)].at(index);
-    return std::any_of(below.begin(), below.end(),
-                       [&](const Index &one) { return block_hit(level - 1, one, query); });
+    return std::any_of(below.begin(), below.end(), [&](const Index &one) { return block_hit(level - 1, one, query); });
 }
 
 bool PointGrid::crowded(const Query &query) const {
