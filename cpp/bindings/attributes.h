@@ -5,9 +5,12 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace wct::bindings {
 
@@ -29,6 +32,15 @@ template <class T> std::optional<T> maybe(nanobind::handle of, const char *name)
     if (of.attr(name).is_none())
         return {};
     return attribute<T>(of, name);
+}
+
+/// A mask of `count` numbers, of those that an attribute lists; it may be None.
+inline std::vector<std::uint8_t> listed(nanobind::handle of, const char *name, std::size_t count) {
+    std::vector<std::uint8_t> mask(count, 0);
+    if (const auto given = maybe<Array>(of, name))
+        for (const int k : numbers_of(*given, static_cast<std::int64_t>(count), name))
+            mask[k] = 1;
+    return mask;
 }
 
 /// An object of one of the classes of wct_plugin.core, from its fields.

@@ -44,6 +44,9 @@ nb::object conform(nb::handle of, const Array &sides, double tolerance, nb::hand
                    const nb::object &progress, unsigned threads) {
     std::vector<std::array<int, 2>> around = sides_of(sides);
     search::StratifiedMesh from = mesh_with_surface(of, around);
+    conform::ConformOptions options = conform_options_of(asked);
+    options.tolerance = tolerance;
+    options.stays = listed(asked, "stays", around.size());
     domain::SurfaceData surface = surface_of_facets(from, std::move(around));
     surface.segments = from.creases;
     surface.curve = from.crease_curve;
@@ -56,8 +59,6 @@ nb::object conform(nb::handle of, const Array &sides, double tolerance, nb::hand
     domain::SurfaceData other;
     if (!given.is_none())
         other = plain_surface_of(given);
-    conform::ConformOptions options = conform_options_of(asked);
-    options.tolerance = tolerance;
     Monitor::Listener listener = [&](double done, std::int64_t bad) { return goes_on(progress, done, bad); };
     conform::Conformed found;
     {
@@ -76,15 +77,16 @@ nb::object conform(nb::handle of, const Array &sides, double tolerance, nb::hand
 } // namespace
 
 void bind_conform(nb::module_ &m) {
-    m.def("conform", &conform, nb::arg("mesh"), nb::arg("sides"), nb::arg("tolerance"), nb::arg("options"),
-          nb::kw_only(), nb::arg("given") = nb::none(), nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
-          nb::sig("def conform(mesh: wct_plugin.core.domain.StratifiedMesh,"
-                  " sides: numpy.typing.NDArray[numpy.int64], tolerance: float,"
-                  " options: wct_plugin.core.requests.ConformOptions, *,"
-                  " given: wct_plugin.core.domain.Triangles | None = None,"
-                  " progress: collections.abc.Callable[[float, int], typing.Any] | None = None,"
-                  " threads: int = 0) -> wct_plugin.core.results.ConformResult"),
-          R"(Make a mesh Delaunay, and one-sided, with its surface vertices where they are.
+    m.def(
+        "conform", &conform, nb::arg("mesh"), nb::arg("sides"), nb::arg("tolerance"), nb::arg("options"), nb::kw_only(),
+        nb::arg("given") = nb::none(), nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
+        nb::sig("def conform(mesh: wct_plugin.core.domain.StratifiedMesh,"
+                " sides: numpy.typing.NDArray[numpy.int64], tolerance: float,"
+                " options: wct_plugin.core.requests.ConformOptions, *,"
+                " given: wct_plugin.core.domain.Triangles | None = None,"
+                " progress: collections.abc.Callable[[float, int], typing.Any] | None = None,"
+                " threads: int = 0) -> wct_plugin.core.results.ConformResult"),
+        R"(Make a mesh Delaunay, and one-sided, with its surface vertices where they are, or nearly so within their planes.
 
 Parameters
 ----------

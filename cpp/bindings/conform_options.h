@@ -6,7 +6,7 @@
 
 namespace wct::bindings {
 
-/// A ConformOptions; the tolerance is not among them.
+/// A ConformOptions; the tolerance and what of a surface stays are not among them.
 inline conform::ConformOptions conform_options_of(nanobind::handle asked) {
     conform::ConformOptions options;
     options.one_sided = attribute<bool>(asked, "one_sided");

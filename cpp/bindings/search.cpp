@@ -74,15 +74,6 @@ void expect_pieces(const search::StratifiedMesh &mesh, const domain::SurfaceData
     }
 }
 
-/// A mask of `count` numbers, of those that an option lists.
-std::vector<std::uint8_t> listed(nb::handle asked, const char *name, std::size_t count) {
-    std::vector<std::uint8_t> mask(count, 0);
-    if (const auto given = maybe<Array>(asked, name))
-        for (const int k : numbers_of(*given, static_cast<std::int64_t>(count), name))
-            mask[k] = 1;
-    return mask;
-}
-
 /// A number of the options that must meet a condition.
 template <class T> T number(nb::handle asked, const char *name, bool (*allowed)(T), const char *must) {
     const T value = attribute<T>(asked, name);

@@ -23,6 +23,8 @@ struct ConformOptions {
     double tolerance = 0.0;
     std::uint64_t seed = 1;
     int effort = 1; // multiplies the rounds
+    /// Per patch whether its vertices stay where they are; others may be moved a little within their plane.
+    std::vector<std::uint8_t> stays;
 
     static constexpr int rounds = 80;
     static constexpr int patience = 20;   // rounds without progress

@@ -401,9 +401,10 @@ bool Round::face(const Tet &tet) {
     std::vector<int> fresh, own;
     for (const int v : tet) {
         const int patch = cloud_.label[v];
-        if (cloud_.role[v] != Stratum::patch || !reference_.planar(patch))
+        const bool is_new = points_.origin()[v] < 0;
+        if (cloud_.role[v] != Stratum::patch || !reference_.planar(patch) || (!is_new && stays(patch)))
             continue;
-        (points_.origin()[v] < 0 ? fresh : own).push_back(v);
+        (is_new ? fresh : own).push_back(v);
         for (const int w : tet) {
             const Vec3 &opposite = cloud_.points[w];
             const double off = norm(reference_.nearest(opposite, patch).point - cloud_.points[v]);

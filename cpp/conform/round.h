@@ -37,6 +37,9 @@ class Round {
     }
     /// What a tet's facet i adds to the dual area of its edge opposite corner v, in lengths of the edge.
     double share(int t, int i, int v) const;
+    bool stays(int patch) const {
+        return static_cast<std::size_t>(patch) < options_.stays.size() && options_.stays[patch] != 0;
+    }
     bool inside(int v) const { return cloud_.role[v] == Stratum::interior; }
     bool beyond(int t, int i) const { return spheres_.height(t, i) <= least() * spheres_[t].radius; }
     /// The shortest length that a dual may have: where the mesh is to be one-sided it is not zero.

@@ -277,3 +277,15 @@ def test_a_layer_meshed_alike_on_both_sides_gets_no_flat_tets(seed, turn):
     assert least[1] >= 0.5 * least[0]
     assert min(couples(after).values()) > -1e-12
     assert np.allclose(region_volumes(after), region_volumes(before), rtol=1e-12)
+
+
+@pytest.mark.parametrize("boundary", ["keep", {"lower": "keep"}])
+def test_vertices_that_are_to_stay_do_so_in_thin_layers(boundary):
+    before = stack(0)
+    lower = before.topology.interfaces[(before.points[before.topology.interfaces][..., 2] == 0.24).all(axis=1)]
+    before = before.altered(facets=Cells(lower, np.full(len(lower), 7)), names={"lower": (7, 2)})
+    after, metrics = run(before, "delaunay", boundary=boundary)
+    assert metrics["bad"] == 0
+    surface = np.concatenate([before.topology.boundary, before.topology.interfaces])
+    stays = np.unique(surface if boundary == "keep" else lower)[:, None]
+    assert places(before.points, stays) <= places(after.points, np.arange(len(after.points))[:, None])

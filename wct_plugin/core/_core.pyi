@@ -182,7 +182,7 @@ def resample(surface: wct_plugin.core.domain.StratifiedSurface, mesh: wct_plugin
 
 def conform(mesh: wct_plugin.core.domain.StratifiedMesh, sides: numpy.typing.NDArray[numpy.int64], tolerance: float, options: wct_plugin.core.requests.ConformOptions, *, given: wct_plugin.core.domain.Triangles | None = None, progress: Callable[[float, int], Any] | None = None, threads: int = 0) -> wct_plugin.core.results.ConformResult:
     """
-    Make a mesh Delaunay, and one-sided, with its surface vertices where they are.
+    Make a mesh Delaunay, and one-sided, with its surface vertices where they are, or nearly so within their planes.
 
     Parameters
     ----------

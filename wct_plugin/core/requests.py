@@ -81,10 +81,11 @@ class SearchOptions:
     most_evaluations: int | None = None  #: of tets' energies, after which kicks end
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ConformOptions:
     """How a mesh is made Delaunay, or one-sided."""
 
     one_sided: bool = True
     effort: int = 1  #: multiplies the rounds
     seed: int = 1
+    stays: Ints | None = None  #: patches whose vertices stay where they are; others may move a little in their plane

@@ -1,5 +1,7 @@
 """The goals delaunay and one-sided: as little as possible is changed."""
 
+import numpy as np
+
 from wct_plugin.core.requests import ConformOptions
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
@@ -42,7 +44,12 @@ def change_least(given: NormalizedMesh, options: WellCenterOptions, progress: Pr
 def _conformed(given: NormalizedMesh, tolerance: float, options: WellCenterOptions, listen: Listener) -> TetMesh:
     """The mesh made so; itself where none was found, or with more tets than there may be."""
     mesh, own = given.mesh, given.own
-    asked = ConformOptions(one_sided=options.goal == "one-sided", effort=options.effort, seed=options.seed + 1)
+    asked = ConformOptions(
+        one_sided=options.goal == "one-sided",
+        effort=options.effort,
+        seed=options.seed + 1,
+        stays=np.flatnonzero(given.choices.stays),
+    )
     if given.choices.fixed.any() or _has_sheets(given):
         found = conforming.conform_inside(mesh, own, asked, listen.conform)
     else:

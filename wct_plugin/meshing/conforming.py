@@ -1,4 +1,4 @@
-"""The goals delaunay and one-sided: a mesh made so with the vertices of its surface where they are."""
+"""The goals delaunay and one-sided: a mesh made so with the vertices of its surface where they are, or nearly so."""
 
 from collections.abc import Callable
 from typing import Any

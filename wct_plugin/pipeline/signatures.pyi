@@ -411,8 +411,8 @@ class _Filters:
         that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
         reference has no edges follow their own facets instead of it, as do those that it does not bound.
         The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
-        move too, but that in thin layers, against flat tets, delaunay moves some within their plane by less than a sixth
-        of an edge; those inside go where they crowd it, new ones come on it where its own are too far apart.
+        move too, but for some in thin layers, which delaunay moves a little within their plane where tets would be flat;
+        those inside go where they crowd it, new ones come on it where its own are too far apart.
         A mesh that meets the goal, with its boundary within the tolerance, stays as it is, to the bit, also where it falls
         short of the margin; ``force`` or an edge length makes it anew.
         The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
@@ -1038,8 +1038,8 @@ def apply_filter(
     that bounds the mesh. Meshes of several regions, with tagged edges or vertices, or with tags that change where the
     reference has no edges follow their own facets instead of it, as do those that it does not bound.
     The goals delaunay and one-sided take the cheapest change instead: vertices of the surface stay with ``boundary``
-    move too, but that in thin layers, against flat tets, delaunay moves some within their plane by less than a sixth
-    of an edge; those inside go where they crowd it, new ones come on it where its own are too far apart.
+    move too, but for some in thin layers, which delaunay moves a little within their plane where tets would be flat;
+    those inside go where they crowd it, new ones come on it where its own are too far apart.
     A mesh that meets the goal, with its boundary within the tolerance, stays as it is, to the bit, also where it falls
     short of the margin; ``force`` or an edge length makes it anew.
     The metrics say which tets miss the goal, which option would free each, and how well the domain is kept.
