@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace wct::search {
 
@@ -348,8 +349,10 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
     const Curve &guide = curves_[curve];
     if (guide.straight)
         return true;
+    // It is looked at from one end, and that may tell in the last places.
+    const bool from_p = std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
     std::int32_t first = 0;
-    return kAlong.all_near(guide.tree, p, q, guide.tolerance, first);
+    return kAlong.all_near(guide.tree, from_p ? p : q, from_p ? q : p, guide.tolerance, first);
 }
 
 } // namespace wct::search

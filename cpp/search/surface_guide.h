@@ -84,6 +84,8 @@ class SurfaceGuide {
     Vec3 normal(int patch, const Vec3 &x) const;
     /// Unit normal of one of its pieces, as hints number them.
     Vec3 normal(int patch, std::int32_t piece) const { return unit(normal_of(patches_[patch].tree.pieces()[piece])); }
+    /// Whether the edge pq is near the curve: the same answer for qp, or what one end is allowed would not bind the
+    /// other, and within rounding of the tolerance the edge would be held no more.
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
     /// Whether the curve bends and no curved patch is beside it, as round a flat sheet and along a wire: then no facet
     /// that is held near its patch holds the crease near the curve.

@@ -141,7 +141,8 @@ void SurfaceWatch::gather(int v) {
         for (const int t : complex_.star(v))
             for (const int w : complex_.tet(t))
                 if (w != v && complex_.curve_of(v, w) == vertex.label &&
-                    std::find(along_.begin(), along_.end(), w) == along_.end() && near_along(vertex.position, w))
+                    std::find(along_.begin(), along_.end(), w) == along_.end() &&
+                    guide_.allows_crease(vertex.label, vertex.position, complex_.point(w)))
                     along_.push_back(w);
     complex_.surface_at(v, facets_);
     for (const auto &[key, facet] : facets_)
@@ -157,14 +158,10 @@ void SurfaceWatch::gather(int v) {
         allows(allowed_.at); // so that cost and gradient are there
 }
 
-bool SurfaceWatch::near_along(const Vec3 &x, int w) const {
-    const int curve = complex_.vertex(vertex_).label;
-    const Vec3 &y = complex_.point(w);
-    return vertex_ < w ? guide_.allows_crease(curve, x, y) : guide_.allows_crease(curve, y, x);
-}
-
 bool SurfaceWatch::creases_allow(const Vec3 &x) const {
-    return std::all_of(along_.begin(), along_.end(), [&](int w) { return near_along(x, w); });
+    return std::all_of(along_.begin(), along_.end(), [&](int w) {
+        return guide_.allows_crease(complex_.vertex(vertex_).label, x, complex_.point(w));
+    });
 }
 
 bool SurfaceWatch::allows(const Vec3 &x) {

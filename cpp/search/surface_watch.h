@@ -80,10 +80,6 @@ class SurfaceWatch {
         Facet to;
     };
     bool facets_allow(const Vec3 &x);
-    /// Whether the edge of a crease from the moving vertex at x to w is near its curve. It is looked at from the same
-    /// end whichever moves: within rounding of the tolerance the answer depends on that, and what one end was allowed
-    /// would not bind the other.
-    bool near_along(const Vec3 &x, int w) const;
     bool creases_allow(const Vec3 &x) const;
     /// Those of the pieces, both of new and of gone ones with facets that stay; edges of creases only if `all`.
     void find_hinges(const std::vector<Piece> &pieces, bool all, std::vector<Hinge> &hinges);

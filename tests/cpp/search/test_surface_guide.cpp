@@ -228,4 +228,22 @@ TEST_CASE("SurfaceGuide: crease edges within the tolerance of their curve") {
     CHECK(allowed > 5);
 }
 
+TEST_CASE("SurfaceGuide: a crease edge is near its curve or not from whichever end it is asked about") {
+    const Body body = cylinder(5, 0.0, 5);
+    const search::SurfaceGuide guide = guide_of(body, kTolerance, 0.1);
+    Random random(7);
+    int near = 0, far = 0;
+    while (near < 300 || far < 300) {
+        const auto at = [&] { return body.creases[random.below(static_cast<int>(body.creases.size()))][0]; };
+        const int a = at(), b = at();
+        if (body.label[a] != body.label[b] || norm(body.points[a] - body.points[b]) > 0.8)
+            continue;
+        const auto moved = [&](int v) { return body.points[v] + 0.4 * kTolerance * random.normal3(); };
+        const Vec3 p = moved(a), q = moved(b);
+        const bool is = guide.allows_crease(body.label[a], p, q);
+        CHECK(guide.allows_crease(body.label[a], q, p) == is);
+        ++(is ? near : far);
+    }
+}
+
 } // namespace wct::tests
