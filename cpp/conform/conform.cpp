@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -44,7 +43,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
     const domain::RegionMap map(mesh, reference);
     const std::vector<int> euler = geometry::euler_characteristics(mesh.tets, mesh.region);
     const SurfaceProbes probes(reference, given, options.held * options.tolerance);
-    std::optional<ConformingCloud> points(std::in_place, reference, mesh, stratum, label, size), of_best;
+    ConformingCloud points(reference, mesh, stratum, label, size), of_best = points;
     double sharpest = std::numeric_limits<double>::infinity();
     for (const auto &[a, b, c, d] : mesh.tets)
         sharpest = std::min(
@@ -58,8 +57,8 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
     for (int round = 0;
          round < options.effort * options.rounds && since < options.effort * options.patience && !monitor.stopped();
          ++round) {
-        Round now(*points, reference, probes, map, options, sharpest, random, workers);
-        const ConformingCloud before = *points;
+        Round now(points, reference, probes, map, options, sharpest, random, workers);
+        ConformingCloud before = points;
         const Faults faults = now.mend(share);
         const bool intact = faults.unsound() == 0 &&
                             geometry::euler_characteristics(now.complex().all.tets, now.complex().region) == euler;
@@ -68,7 +67,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
             best = taken(before, now.complex(), reference);
             best.faults = faults;
             best.intact = intact;
-            of_best.emplace(before);
+            of_best = std::move(before);
             since = 0;
             share = std::min(1.0, 2.0 * share);
         } else {
@@ -76,7 +75,7 @@ Conformed conform(const domain::Reference &reference, const std::optional<domain
         }
         astray = faults.all() == 0 ? 0 : astray + 1;
         if (astray == options.astray && !options.one_sided && best.intact && best.faults.all() == 0) {
-            points.emplace(*of_best);
+            points = of_best;
             share = std::max(options.fewest, 0.5 * share);
             astray = 0;
         }

@@ -46,8 +46,7 @@ struct Faults {
     std::size_t outer = 0;   // boundary facets whose tet has its circumcenter beyond them
     std::size_t edges = 0;   // edges of the boundary whose dual area is not positive
     std::size_t ties = 0;    // facets inside with a dual edge of no length
-    std::size_t slivers =
-        0; // once nothing else is wrong, tets much sharper than any that came in: no fault of the goal
+    std::size_t slivers = 0; // tets much sharper than any that came in, if nothing else is wrong: no fault
     std::size_t unsound() const { return creases + surface + off; }
     std::size_t all() const { return unsound() + outer + edges + ties; }
 };

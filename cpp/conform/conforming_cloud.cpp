@@ -9,7 +9,7 @@ namespace wct::conform {
 ConformingCloud::ConformingCloud(const domain::Reference &reference, const domain::InputMesh &mesh,
                                  std::span<const Stratum> stratum, std::span<const int> label,
                                  std::span<const double> size)
-    : reference_(reference), size_(size) {
+    : reference_(&reference), size_(size) {
     std::vector<int> region(mesh.points.size(), -1);
     for (std::size_t t = 0; t < mesh.tets.size(); ++t)
         for (const int v : mesh.tets[t])
@@ -85,7 +85,7 @@ bool ConformingCloud::insert_on_patch(const Vec3 &p, int patch, double size, dou
         const Vec3 middle = 0.5 * (cloud_.points[s.a] + cloud_.points[s.b]);
         const double radius = 0.5 * norm(cloud_.points[s.a] - cloud_.points[s.b]);
         const double share = norm(p - middle) / radius;
-        const auto &around = reference_.patches_at_curve(s.curve);
+        const auto &around = reference_->patches_at_curve(s.curve);
         if (share < depth && std::binary_search(around.begin(), around.end(), patch)) {
             depth = share;
             hit = k;
@@ -93,11 +93,7 @@ bool ConformingCloud::insert_on_patch(const Vec3 &p, int patch, double size, dou
     }
     if (hit < segments_.size())
         return split(hit);
-    const domain::Foot foot = reference_.nearest(p, patch);
-    Vec3 on = foot.point;
-    if (reference_.planar(patch)) // the point nearest to a triangle is off its plane by a rounding
-        reference_.to_patch(on, foot);
-    return apart >= kLeast * size && put(on, Stratum::patch, patch, size, apart);
+    return apart >= kLeast * size && put(on_patch(p, patch), Stratum::patch, patch, size, apart);
 }
 
 bool ConformingCloud::insert_inside(const Vec3 &p, int region, double size, double apart) {
@@ -105,15 +101,21 @@ bool ConformingCloud::insert_inside(const Vec3 &p, int region, double size, doub
 }
 
 bool ConformingCloud::put_in_plane(int point, const Vec3 &near) {
-    const domain::Foot foot = reference_.nearest(near, cloud_.label[point]);
-    Vec3 at = foot.point;
-    reference_.to_patch(at, foot); // the point nearest to a triangle is off its plane by a rounding
+    const Vec3 at = on_patch(near, cloud_.label[point]);
     const double apart = kLeast * cloud_.size[point];
     if (fresh_.crowded(at, apart) || surface_.crowded(at, apart, &cloud_.points[point]))
         return false;
     fresh_.add(at, apart);
     cloud_.points[point] = at;
     return true;
+}
+
+Vec3 ConformingCloud::on_patch(const Vec3 &near, int patch) const {
+    const domain::Foot foot = reference_->nearest(near, patch);
+    Vec3 on = foot.point;
+    if (reference_->planar(patch)) // the point nearest to a triangle is off its plane by a rounding
+        reference_->to_patch(on, foot);
+    return on;
 }
 
 bool ConformingCloud::put(const Vec3 &p, Stratum role, int label, double size, double apart) {

@@ -19,8 +19,8 @@ struct Segment {
     int curve;
 };
 
-/// The points of a mesh with the pieces of its creases: surface points stay where they are,
-/// or within their plane, and more may be put between them.
+/// The points of a mesh with the pieces of its creases: surface points stay where they are, or within their plane, and
+/// more may be put between them. `reference` must outlive it.
 class ConformingCloud {
   public:
     /// `stratum`, `label` per point of the mesh: its role, and the patch or curve. `reference` has the mesh's points.
@@ -55,7 +55,10 @@ class ConformingCloud {
 
     bool put(const Vec3 &p, Stratum role, int label, double size, double apart);
 
-    const domain::Reference &reference_;
+    /// A point of a patch, of its plane where it has one, nearest to this one.
+    Vec3 on_patch(const Vec3 &near, int patch) const;
+
+    const domain::Reference *reference_; // never null
     std::span<const double> size_;
     sampling::Cloud cloud_;
     std::vector<int> origin_;

@@ -30,6 +30,9 @@ class Round {
     bool may_change() const { return may_change_; }
 
   private:
+    /// Width, in radii, of where a point may come for a circle's center: squares make squares.
+    static constexpr double kOff = 0.4;
+
     template <std::size_t n> std::array<Vec3, n> corners(const std::array<int, n> &cell) const {
         std::array<Vec3, n> at;
         std::transform(cell.begin(), cell.end(), at.begin(), [&](int v) { return cloud_.points[v]; });
@@ -99,9 +102,9 @@ class Round {
 
     /// Where points of two planes are nearly opposite each other, as where both sides of a layer were meshed alike,
     /// four of them are nearly on a circle, and what is nearly flat between them is Delaunay. Put a point of this tet
-    /// opposite another one, within its plane: then flat tets can be taken out. Where none is nearly opposite, a new
-    /// point is moved a little. False if there is none to be moved.
-    bool face(const Tet &tet);
+    /// opposite another one, within its plane: then flat tets can be taken out. Where none is nearly opposite, one of
+    /// them, new ones first, is moved a little. False if there is none to be moved.
+    bool put_opposite(const Tet &tet);
 
     bool has_room(const geometry::Sphere &ball) const;
     void mend_tie(int t, int i, int other, std::vector<char> &moved);

@@ -5,6 +5,7 @@
 #include "delaunay/flat_tets.h"
 #include "geometry/dihedral_angles.h"
 #include "geometry/predicates.h"
+#include "support/neighbours.h"
 
 #include <doctest/doctest.h>
 
@@ -82,21 +83,13 @@ void check(const std::vector<Vec3> &points) {
             on_spheres += side == 0;
         }
         for (int i = 0; i < 4; ++i) {
-            const int n = made.neighbours[k][i];
             const Vec3 &a = points[t[kFacets[i][0]]], &b = points[t[kFacets[i][1]]], &c = points[t[kFacets[i][2]]];
-            if (n < 0) { // the hull: nothing lies beyond it
+            if (made.neighbours[k][i] < 0) // the hull: nothing lies beyond it
                 for (const Vec3 &p : points)
                     REQUIRE(geometry::orient3d(a, b, c, p) >= 0);
-                continue;
-            }
-            const auto &back = made.neighbours[n];
-            REQUIRE(std::count(back.begin(), back.end(), static_cast<int>(k)) == 1);
-            int shared = 0;
-            for (const int v : made.tets[n])
-                shared += v != t[i] && std::count(t.begin(), t.end(), v);
-            REQUIRE(shared == 3);
         }
     }
+    check_neighbours(made);
     CHECK(used.size() == points.size());
     CHECK(on_spheres >= 4 * static_cast<long long>(made.tets.size()));
 }
@@ -207,12 +200,8 @@ TEST_CASE("remove_flat: no flat tet is left within a label, the volume stays, sp
         const auto &t = all.tets[k];
         CHECK(label[k] == 3);
         REQUIRE(geometry::orient3d(points[t[0]], points[t[1]], points[t[2]], points[t[3]]) == 1);
-        for (int i = 0; i < 4; ++i)
-            if (const int n = all.neighbours[k][i]; n >= 0) {
-                const auto &back = all.neighbours[n];
-                REQUIRE(std::count(back.begin(), back.end(), static_cast<int>(k)) == 1);
-            }
     }
+    check_neighbours(all);
     Triangulation left = delaunay::delaunay(points);
     const auto tets = left.tets;
     std::vector<int> outside(left.tets.size(), -1);

@@ -2,6 +2,7 @@
 
 #include "base/random.h"
 #include "geometry/predicates.h"
+#include "support/neighbours.h"
 
 #include <doctest/doctest.h>
 
@@ -31,19 +32,8 @@ void check(const Triangulation &made, const std::vector<Vec3> &points) {
     for (std::size_t t = 0; t < made.tets.size(); ++t) {
         const auto &[a, b, c, d] = made.tets[t];
         REQUIRE(geometry::orient3d(points[a], points[b], points[c], points[d]) == 1);
-        for (int i = 0; i < 4; ++i) {
-            const int other = made.neighbours[t][i];
-            if (other < 0)
-                continue;
-            std::set<int> facet(made.tets[t].begin(), made.tets[t].end());
-            facet.erase(made.tets[t][i]);
-            for (const int v : made.tets[static_cast<std::size_t>(other)])
-                facet.erase(v);
-            REQUIRE(facet.empty());
-            const auto &back = made.neighbours[static_cast<std::size_t>(other)];
-            REQUIRE(std::find(back.begin(), back.end(), static_cast<int>(t)) != back.end());
-        }
     }
+    check_neighbours(made);
 }
 
 /// A body-centered lattice in a box whose faces are full of points: planes, and spheres through more than four.
