@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from wct_plugin.core import _core
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.conserved import measure_groups
 from wct_plugin.measure.fidelity import measure_volumes, region_names
 from wct_plugin.measure.losses import find_changes
@@ -91,7 +91,7 @@ class ApplyCoordWellCentering(FilterStage[CoordWellCenteringOptions]):
         left = list_remaining(
             moved,
             surface,
-            quality.measure(moved),
+            compiled_quality.measure(moved),
             goal=options.goal,
             boundary=options.boundary,
             crease_angle=options.crease_angle,

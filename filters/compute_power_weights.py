@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from wct_plugin.errors import WctError
-from wct_plugin.measure import duals, quality
+from wct_plugin.measure import compiled_quality, duals
 from wct_plugin.measure.negative_duals import count_negative_duals
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.manifold import check_manifold
@@ -97,7 +97,7 @@ class ComputePowerWeights(FilterStage[PowerWeightsOptions]):
             },
         )
         count = len(mesh.tets)
-        centered = int(quality.measure(mesh).well_centered_3.sum())
+        centered = int(compiled_quality.measure(mesh).well_centered_3.sum())
         return marked, {
             "3wc": {"count": centered, "percent": 100.0 * centered / count},
             "weighted_well_centered": {

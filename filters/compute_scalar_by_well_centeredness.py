@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wct_plugin.measure import duals, quality
+from wct_plugin.measure import compiled_quality, duals
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.pipeline.stage import FilterStage, Options
 from wct_plugin.progress import ProgressCallback
@@ -32,7 +32,7 @@ class ComputeScalarByWellCenteredness(FilterStage[WellCenterednessOptions]):
 
     def run(self, mesh: TetMesh, progress: ProgressCallback) -> tuple[TetMesh, Metrics]:  # noqa: D102
         unit_scaling.check(mesh)
-        measured = quality.measure(mesh)
+        measured = compiled_quality.measure(mesh)
         dual = duals.compute_duals(mesh)
         flags = {
             "is_3wc": measured.well_centered_3,

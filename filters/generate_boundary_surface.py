@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wct_plugin.errors import WctWarning
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.topology import FACETS
@@ -69,7 +69,7 @@ class GenerateBoundarySurface(FilterStage[BoundarySurfaceOptions]):
 
 def _measured(mesh: TetMesh, name: str) -> tuple[Floats, Floats]:
     """(m,) the measure of each tet, and how bad that is."""
-    measured = quality.measure(mesh)
+    measured = compiled_quality.measure(mesh)
     if name == "min_h_over_R":
         return measured.min_height, -measured.min_height
     angle: Floats = getattr(measured, name)

@@ -11,6 +11,7 @@ void bind_delaunay(nanobind::module_ &m);
 void bind_geometry(nanobind::module_ &m);
 void bind_resample(nanobind::module_ &m);
 void bind_refill(nanobind::module_ &m);
+void bind_measure(nanobind::module_ &m);
 void bind_local_tolerance(nanobind::module_ &m);
 void bind_number_text(nanobind::module_ &m);
 void bind_search(nanobind::module_ &m);

@@ -16,6 +16,7 @@ The results are the same bits whatever it is.)";
     wct::bindings::bind_resample(m);
     wct::bindings::bind_conform(m);
     wct::bindings::bind_refill(m);
+    wct::bindings::bind_measure(m);
     wct::bindings::bind_local_tolerance(m);
     wct::bindings::bind_number_text(m);
     wct::bindings::bind_search(m);

@@ -272,39 +272,6 @@ template <std::size_t N> int common_exponent(const std::array<double, N> &values
     return exponent;
 }
 
-struct Integer3 {
-    Integer x;
-    Integer y;
-    Integer z;
-};
-
-Integer3 operator+(const Integer3 &a, const Integer3 &b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-Integer3 operator-(const Integer3 &a, const Integer3 &b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-Integer3 operator*(const Integer &s, const Integer3 &a) {
-    return {s * a.x, s * a.y, s * a.z};
-}
-Integer dot(const Integer3 &a, const Integer3 &b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-Integer3 cross(const Integer3 &a, const Integer3 &b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-/// The points in units of a power of two of which all coordinates are multiples, which changes no sign.
-template <std::size_t N> std::array<Integer3, N> whole(const std::array<Vec3, N> &points) {
-    int unit = 1024;
-    for (const Vec3 &p : points)
-        unit = common_exponent<3>({p.x, p.y, p.z}, unit);
-    std::array<Integer3, N> out;
-    for (std::size_t i = 0; i < N; ++i)
-        out[i] = {Integer(points[i].x, unit), Integer(points[i].y, unit), Integer(points[i].z, unit)};
-    return out;
-}
-
 int orient3d_exact(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
     // Each axis in a unit of its own: that scales the determinant and leaves its sign.
     const std::array<double, 4> x{a.x, b.x, c.x, d.x};
@@ -333,6 +300,52 @@ int insphere_exact(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d, c
         return lifted_determinant(u, v, w).sign();
 #endif
     return lifted_determinant(edges_along(x, unit), edges_along(y, unit), edges_along(z, unit)).sign();
+}
+
+/// Vectors of whole numbers: an Integer each, or so many limbs.
+template <class T> using Whole3 = std::array<T, 3>;
+
+template <class T> Whole3<T> sum(const Whole3<T> &a, const Whole3<T> &b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+template <class T> Whole3<T> difference(const Whole3<T> &a, const Whole3<T> &b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <class S, class T> auto product(const S &s, const Whole3<T> &a) {
+    return Whole3<decltype(s * a[0])>{s * a[0], s * a[1], s * a[2]};
+}
+template <class S, class T> auto dot(const Whole3<S> &a, const Whole3<T> &b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class T> auto cross(const Whole3<T> &a, const Whole3<T> &b) {
+    return Whole3<decltype(a[0] * b[0])>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                                         a[0] * b[1] - a[1] * b[0]};
+}
+
+/// What `decide` says of the vectors from the first point to the others, in a unit in which they are whole numbers,
+/// which changes no sign. Short ones are below 2^61, so that normals stay below 2^123, sums of three of them below
+/// 2^125, squared lengths below 2^124, products of these, summed, below 2^249, and those with normals below 2^377.
+template <std::size_t N, class Decide> bool decided(const std::array<Vec3, N> &points, const Decide &decide) {
+    std::array<double, N> x{}, y{}, z{};
+    for (std::size_t i = 0; i < N; ++i) {
+        x[i] = points[i].x;
+        y[i] = points[i].y;
+        z[i] = points[i].z;
+    }
+    const int unit = common_exponent(x, common_exponent(y, common_exponent(z)));
+    const auto by_point = [&]<class T>(const std::array<T, N - 1> &u, const std::array<T, N - 1> &v,
+                                       const std::array<T, N - 1> &w) {
+        std::array<Whole3<T>, N - 1> out;
+        for (std::size_t i = 0; i + 1 < N; ++i)
+            out[i] = {u[i], v[i], w[i]};
+        return out;
+    };
+#ifdef __SIZEOF_INT128__
+    std::array<Wide<1>, N - 1> u, v, w;
+    if (short_edges_along(x, unit, u) && short_edges_along(y, unit, v) && short_edges_along(z, unit, w))
+        return decide(by_point(u, v, w));
+#endif
+    return decide(by_point(edges_along(x, unit), edges_along(y, unit), edges_along(z, unit)));
 }
 
 /// The largest magnitude along each axis.
@@ -384,24 +397,38 @@ int insphere(const Vec3 &p, const Vec3 &q, const Vec3 &r, const Vec3 &s, const V
 }
 
 bool contains_circumcenter(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
-    const auto x = whole<4>({a, b, c, d});
-    const Integer3 u = x[1] - x[0];
-    const Integer3 v = x[2] - x[0];
-    const Integer3 w = x[3] - x[0];
-    const Integer3 n1 = cross(v, w);
-    const Integer3 n2 = cross(w, u);
-    const Integer3 n3 = cross(u, v);
-    // 2 det times the circumcenter, seen from the first corner; the heights over the facets have the signs below.
-    const Integer3 center = dot(u, u) * n1 + dot(v, v) * n2 + dot(w, w) * n3;
-    const Integer det = dot(u, n1);
-    return dot(n1, center).sign() > 0 && dot(n2, center).sign() > 0 && dot(n3, center).sign() > 0 &&
-           dot(n1 + n2 + n3, center - (det + det) * u).sign() < 0;
+    return decided<4>({a, b, c, d}, [](const auto &edges) {
+        const auto &[u, v, w] = edges;
+        const auto n1 = cross(v, w);
+        const auto n2 = cross(w, u);
+        const auto n3 = cross(u, v);
+        // 2 det times the circumcenter, seen from the first corner; the heights over the facets have the signs below.
+        const auto center = sum(sum(product(dot(u, u), n1), product(dot(v, v), n2)), product(dot(w, w), n3));
+        const auto det = dot(u, n1);
+        const auto square = det * det;
+        return dot(n1, center).sign() > 0 && dot(n2, center).sign() > 0 && dot(n3, center).sign() > 0 &&
+               (square + square - dot(sum(sum(n1, n2), n3), center)).sign() > 0;
+    });
 }
 
 bool acute(const Vec3 &a, const Vec3 &b, const Vec3 &c) {
-    const auto x = whole<3>({a, b, c});
-    return dot(x[1] - x[0], x[2] - x[0]).sign() > 0 && dot(x[2] - x[1], x[0] - x[1]).sign() > 0 &&
-           dot(x[0] - x[2], x[1] - x[2]).sign() > 0;
+    return decided<3>({a, b, c}, [](const auto &edges) {
+        const auto &[u, v] = edges;
+        const auto opposite = difference(v, u);
+        return dot(u, v).sign() > 0 && dot(u, opposite).sign() < 0 && dot(v, opposite).sign() > 0;
+    });
+}
+
+bool dihedral_angles_acute(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
+    return decided<4>({a, b, c, d}, [](const auto &edges) {
+        const auto &[u, v, w] = edges;
+        const std::array n = {cross(v, w), cross(w, u), cross(u, v)};
+        const auto others = sum(sum(n[0], n[1]), n[2]); // less the fourth normal
+        for (int i = 0; i < 3; ++i)
+            if (dot(n[i], n[(i + 1) % 3]).sign() >= 0 || dot(n[i], others).sign() <= 0)
+                return false;
+        return true;
+    });
 }
 
 } // namespace wct::geometry

@@ -18,6 +18,9 @@ bool contains_circumcenter(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Ve
 /// Exact: are all three angles of the triangle below 90 degrees?
 bool acute(const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
+/// Exact: are all six dihedral angles of the tet, of either orientation, below 90 degrees?
+bool dihedral_angles_acute(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d);
+
 /// Does this flatness (det / longest edge^3), as floating point finds it, prove that the tet is positive? The rounding
 /// error of det is below 8e-16 times the sum of its absolute terms, which is at most 6 longest^3. Above 1/sqrt(2), the
 /// regular tet's, something underflowed.

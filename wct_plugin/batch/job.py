@@ -15,7 +15,7 @@ from typing import Any
 
 from wct_plugin.errors import InputError, WctWarning, one_line
 from wct_plugin.io import atomic_files
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.pipeline import Pipeline
 from wct_plugin.pipeline.provenance import plain, versions
@@ -159,7 +159,7 @@ def numbers(mesh: Mesh) -> dict[str, Any]:
     """Size of a mesh, and of tets how well-centered they are."""
     if not isinstance(mesh, TetMesh):
         return {"points": len(mesh.points), "triangles": len(mesh.triangles)}
-    measured = quality.measure(mesh)
+    measured = compiled_quality.measure(mesh)
     return {
         "points": len(mesh.points),
         "tets": len(mesh.tets),

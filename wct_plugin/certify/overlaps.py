@@ -208,10 +208,9 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
     chosen = np.unique(_shells(triangles, len(mesh.points)), return_index=True)[1]
     corners = mesh.points[triangles[chosen]]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    sides = [mesh.points[mesh.tets[:, k]] for k in range(4)]
-    tet_low, tet_high = np.minimum.reduce(sides), np.maximum.reduce(sides)
-    near = np.flatnonzero(((tet_low <= high.max(axis=0)) & (low.min(axis=0) <= tet_high)).all(axis=1))
-    pairs = overlapping(low, high, tet_low[near], tet_high[near])
+    near = _reaching(mesh, low.min(axis=0), high.max(axis=0))
+    tet_corners = mesh.points[mesh.tets[near]]
+    pairs = overlapping(low, high, tet_corners.min(axis=1), tet_corners.max(axis=1))
     pairs[:, 1] = near[pairs[:, 1]]
     own = mesh.topology.boundary_half_facets[chosen, 0]
     pairs = pairs[own[pairs[:, 0]] != pairs[:, 1]]
@@ -220,6 +219,17 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
         outside = judge(predicates.middle_above, base, triangles[chosen[pairs[:, 0]]])[:, 0] > 0
         pairs = pairs[~outside]
     return np.column_stack([own[pairs[:, 0]], pairs[:, 1]])
+
+
+def _reaching(mesh: TetMesh, low: Floats, high: Floats) -> Ints:
+    """(k,) the tets whose boxes have a point in common with one box, from ``low`` (3,) to ``high`` (3,)."""
+    beyond = np.zeros(len(mesh.points), dtype=np.uint8)  # a bit for each side of the box that a point is beyond
+    for axis, values in enumerate(mesh.points.T):
+        beyond |= (values < low[axis]).astype(np.uint8) << (2 * axis) | (values > high[axis]).astype(np.uint8) << (
+            2 * axis + 1
+        )
+    one, two, three, four = (beyond[corner] for corner in mesh.tets.T)
+    return np.flatnonzero((one & two & three & four) == 0)
 
 
 def _shells(triangles: Ints, count: int) -> Ints:

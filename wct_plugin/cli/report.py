@@ -22,7 +22,7 @@ from wct_plugin.cli.output import (
 from wct_plugin.errors import OptionError
 from wct_plugin.io import read
 from wct_plugin.io.region_choice import Regions
-from wct_plugin.measure import planar, quality
+from wct_plugin.measure import compiled_quality, planar
 from wct_plugin.measure.goals import DUAL, misses
 from wct_plugin.measure.planar import PlanarReport
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -55,7 +55,7 @@ def _meets(mesh: TetMesh | SurfaceMesh, report: Report | PlanarReport, goal: str
     if goal is not None and not report.tiers.valid:
         return False
     if goal in DUAL and isinstance(mesh, TetMesh):
-        return not misses(mesh, quality.measure(mesh), goal).any()
+        return not misses(mesh, compiled_quality.measure(mesh), goal).any()
     return goal is None or report.flags[goal] == report.tets
 
 

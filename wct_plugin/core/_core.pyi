@@ -247,6 +247,55 @@ def conform_inside(mesh: wct_plugin.core.domain.StratifiedMesh, sides: numpy.typ
     Arguments, result and errors as of refill; edges are as long as the mesh's sizes say.
     """
 
+def measure_tets(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int8], numpy.typing.NDArray[numpy.bool_]]:
+    """
+    Measures of ``tets`` (m, 4): numbers (8, m), the facet (m,) with the smallest h/R, flags (3, m).
+
+    The numbers are the smallest and largest h/R, face angle and dihedral angle in degrees, circumradius over shortest edge,
+    and signed volume; the flags, exact, are 3WC, 2WC and acute.
+    """
+
+def tet_volumes(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> numpy.typing.NDArray[numpy.float64]:
+    """Signed volumes (m,) of ``tets`` (m, 4)."""
+
+def circumradii(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> numpy.typing.NDArray[numpy.float64]:
+    """Circumradii (m,) of ``tets`` (m, 4)."""
+
+def unsigned_volumes(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Volume (m,) of the parts of dual cells in each of ``tets`` (m, 4), without their signs.
+
+    Infinite in tets so flat that it is not known.
+    """
+
+def circumcenter_heights(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Signed heights (m, 4) of circumcenters over the facets opposite each corner of ``tets`` (m, 4).
+
+    And bounds of their rounding errors (m, 4), infinite where nothing is known.
+    """
+
+def dual_edge_sums(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], tet_edges: numpy.typing.NDArray[numpy.int64], edges: int, coefficient: numpy.typing.NDArray[numpy.float64] | None = None, threads: int = 0) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    What :func:`circumcenter_heights` gives, and per edge (edges,) the sum of cot(gamma) h, and its error's bound.
+
+    The sum runs over the facets at the edge in each of ``tets`` (m, 4), gamma the facet's angle opposite the edge, h the
+    circumcenter's height over the facet. ``tet_edges`` (m, 6) are the numbers of the tets' edges, ``coefficient`` (m,)
+    multiplies all that is of a tet.
+    """
+
+def orthogonality(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], pairs: numpy.typing.NDArray[numpy.int64], threads: int = 0) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Cosine (p,) between a facet's normal and the line between its tets' centroids.
+
+    A row of ``pairs`` (p, 4) is a tet, its facet, the tet across, its facet.
+    """
+
+def dihedral_counts(points: numpy.typing.NDArray[numpy.float64], tets: numpy.typing.NDArray[numpy.int64], bins: numpy.typing.NDArray[numpy.float64], threads: int = 0) -> numpy.typing.NDArray[numpy.int64]:
+    """
+    How many of the dihedral angles of ``tets`` (m, 4), in degrees, are in each of the bins (b + 1 ends).
+    """
+
 def local_tolerance(surface: wct_plugin.core.domain.StratifiedSurface, *, tolerance: float, floor: float, threads: int = 0) -> numpy.typing.NDArray[numpy.float64]:
     """
     Per point of a surface, (n,), a tenth of the wall, gap or radius there, within ``floor``..``tolerance``.

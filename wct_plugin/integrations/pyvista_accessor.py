@@ -15,7 +15,7 @@ import pyvista as pv
 
 from wct_plugin.errors import OptionError
 from wct_plugin.io.region_choice import Regions
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.objects.conversions import as_mesh
 from wct_plugin.objects.pyvista_meshes import from_pyvista, to_pyvista, without_field_data
@@ -96,7 +96,7 @@ class GridAccessor:
         if goal not in ("3wc", "cwc"):
             raise OptionError(f"goal is {goal!r}; allowed are '3wc', 'cwc'")
         mesh = self._tets()
-        measured = quality.measure(mesh)
+        measured = compiled_quality.measure(mesh)
         margin, title = measured.min_height, "min h/R"
         if goal == "cwc":
             margin = np.minimum(margin, np.cos(np.radians(measured.max_face_angle)))

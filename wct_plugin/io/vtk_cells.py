@@ -63,7 +63,7 @@ def blocks(
     data: dict[str, list[NDArray[Any] | None]] = {name: [] for name in cell_data}
     for kind, cells, owner in _pieces(types, starts, connectivity):
         made.append(RawBlock(kind, cells.astype(np.int64)))
-        more = len(owner) - len(np.unique(owner))
+        more = int((owner[1:] == owner[:-1]).sum())  # those of one cell follow each other
         for name, values in cell_data.items():
             read_limit.claim(more * (values.nbytes // max(len(values), 1)), f"cell data {name!r} of parts of cells")
             data[name].append(values[owner])
@@ -102,7 +102,10 @@ def _pieces(
         of_type = np.flatnonzero(types == code)
         for size in np.unique(sizes[of_type]).tolist():
             rows = of_type[sizes[of_type] == size]
-            cells = connectivity[starts[:-1][rows][:, None] + np.arange(size)]
+            if len(rows) == len(types):  # all cells are of one kind
+                cells = connectivity.reshape(-1, size)
+            else:
+                cells = connectivity[starts[:-1][rows][:, None] + np.arange(size)]
             yield from _as_kind(int(code), size, cells, rows)
 
 

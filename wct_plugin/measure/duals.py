@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.certify.overlapping_tets import overlap
+from wct_plugin.core import _core
 from wct_plugin.errors import InputError
-from wct_plugin.measure import orthocenters, quality
+from wct_plugin.measure import compiled_quality, orthocenters, quality
 from wct_plugin.measure.quality import Quality
 from wct_plugin.mesh import TetMesh, region_parts, unit_scaling
 from wct_plugin.mesh.topology import OPPOSITE_EDGES
@@ -80,7 +81,7 @@ def dual_lengths(mesh: TetMesh) -> tuple[Floats, Floats]:
 
     Interior facets as in ``topology.interior_pairs``: h+ + h-. Then the boundary's, as in ``topology.boundary``: h.
     """
-    heights, errors = quality.heights(mesh.points, mesh.tets)
+    heights, errors = compiled_quality.heights(mesh.points, mesh.tets)
     return _per_facet(mesh, heights), _per_facet(mesh, errors)
 
 
@@ -96,29 +97,18 @@ def compute_duals(mesh: TetMesh, weights: Floats | None = None, coefficient: Flo
     for name, given, count in (("weights", weights, len(points)), ("coefficient", coefficient, len(tets))):
         if given is not None and given.shape != (count,):
             raise InputError(f"{name} have shape {given.shape}; allowed is ({count},)")
-    heights, errors, cotangents = quality.heights_and_cotangents(points, tets)
-    edges = points[topology.edges]
-    squares = np.einsum("eki,eki->e", *[edges[:, 1:] - edges[:, :1]] * 2)
-    edge_of = topology.tet_edges
+    if coefficient is not None:
+        coefficient = np.ascontiguousarray(coefficient, dtype=np.float64)
+    squares = _squared_lengths(mesh)
     if weights is None:
         shares = np.full((len(squares), 2), 0.5)
+        heights, errors, sums, doubts = _core.dual_edge_sums(
+            points, tets, topology.tet_edges, len(squares), coefficient
+        )
     else:
-        heights, errors = orthocenters.shift_heights(points, tets, heights, errors, weights)
-        cotangents = orthocenters.shift_cotangents(tets, cotangents, squares[edge_of], weights)
         difference = (weights[topology.edges[:, 0]] - weights[topology.edges[:, 1]]) / squares
         shares = 0.5 + 0.5 * np.stack([difference, -difference], axis=1)
-    if coefficient is not None:
-        heights, errors = heights * coefficient[:, None], errors * np.abs(coefficient)[:, None]
-
-    # Twice 12 orthoschemes per tet: one at either end of each edge of each facet; an edge is in two facets.
-    per_edge, doubt = np.zeros((2, len(tets), 6))
-    with np.errstate(invalid="ignore", over="ignore"):
-        for column, (facet, edge) in enumerate(zip(np.arange(12) // 3, OPPOSITE_EDGES, strict=True)):
-            cotangent, height = cotangents[:, column], heights[:, facet]
-            per_edge[:, edge] += cotangent * height
-            doubt[:, edge] += np.abs(cotangent) * errors[:, facet] + _EPS * (1.0 + cotangent**2) * np.abs(height)
-    doubt[np.isnan(doubt)] = np.inf
-    sums, doubts = (_summed(edge_of, table, len(squares)) for table in (per_edge, doubt))
+        heights, errors, sums, doubts = _power_sums(mesh, squares, weights, coefficient)
     lengths, bounds = (_per_facet(mesh, table) for table in (heights, errors))
     volumes, volume_errors = (
         _summed(topology.edges, each[:, None] * ends, len(points))
@@ -126,6 +116,28 @@ def compute_duals(mesh: TetMesh, weights: Floats | None = None, coefficient: Flo
     )
     size = np.sqrt(squares) / 4.0
     return Duals(lengths, bounds, sums * size, doubts * size, volumes, volume_errors)
+
+
+def _power_sums(
+    mesh: TetMesh, squares: Floats, weights: Floats, coefficient: Floats | None
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Heights (m, 4) and sums per edge (e,) of orthocenters, each with its bound; see the core's ``dual_edge_sums``."""
+    edge_of = mesh.topology.tet_edges
+    heights, errors, cotangents = quality.heights_and_cotangents(mesh.points, mesh.tets)
+    heights, errors = orthocenters.shift_heights(mesh.points, mesh.tets, heights, errors, weights)
+    cotangents = orthocenters.shift_cotangents(mesh.tets, cotangents, squares[edge_of], weights)
+    if coefficient is not None:
+        heights, errors = heights * coefficient[:, None], errors * np.abs(coefficient)[:, None]
+    # Twice 12 orthoschemes per tet: one at either end of each edge of each facet; an edge is in two facets.
+    per_edge, doubt = np.zeros((2, len(mesh.tets), 6))
+    with np.errstate(invalid="ignore", over="ignore"):
+        for column, (facet, edge) in enumerate(zip(np.arange(12) // 3, OPPOSITE_EDGES, strict=True)):
+            cotangent, height = cotangents[:, column], heights[:, facet]
+            per_edge[:, edge] += cotangent * height
+            doubt[:, edge] += np.abs(cotangent) * errors[:, facet] + _EPS * (1.0 + cotangent**2) * np.abs(height)
+    doubt[np.isnan(doubt)] = np.inf
+    sums, doubts = (_summed(edge_of, table, len(squares)) for table in (per_edge, doubt))
+    return heights, errors, sums, doubts
 
 
 def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
@@ -137,7 +149,7 @@ def hodge_star(mesh: TetMesh, k: int, of: Duals | None = None) -> Floats:
     between the degrees are in :mod:`wct_plugin.measure.exterior`. Raises :class:`ValueError` for another k.
     """
     if k == 3:
-        return 1.0 / quality.volumes(mesh.points, mesh.tets)
+        return 1.0 / compiled_quality.volumes(mesh.points, mesh.tets)
     of = compute_duals(mesh) if of is None else of
     if k == 0:
         return of.volumes
@@ -163,7 +175,7 @@ def shortest_lengths(mesh: TetMesh, lengths: Floats) -> Floats:
 
 
 def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
-    """The tier of a mesh; pass ``of`` where :func:`wct_plugin.measure.quality.measure` has been called already.
+    """The tier of a mesh; pass ``of`` where :func:`wct_plugin.measure.compiled_quality.measure` was called already.
 
     Valid: all volumes are positive, as :class:`TetMesh` makes sure, and no two tets overlap, both decided exactly.
 
@@ -179,14 +191,14 @@ def tiers(mesh: TetMesh, of: Quality | None = None) -> Tiers:
 
     Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
     """
-    of = quality.measure(mesh) if of is None else of
+    of = compiled_quality.measure(mesh) if of is None else of
     well_centered_3 = bool(of.well_centered_3.all())
     completely = bool(of.completely_well_centered.all())
     valid = overlap(mesh) is None
     if well_centered_3:
         return Tiers(valid, True, True, True, completely)
     parts = region_parts.apart(mesh)
-    tables = quality.heights(mesh.points, mesh.tets)  # of the tets, which are the same in the parts
+    tables = compiled_quality.heights(mesh.points, mesh.tets)  # of the tets, which are the same in the parts
     lengths, errors = (_per_facet(parts, table) for table in tables)
     if (lengths > errors).all():
         return Tiers(valid, True, True, False, False)
@@ -230,21 +242,28 @@ def _of_tets(mesh: TetMesh, at_facet: Bools, at_edge: Bools) -> Bools:
 
 def negative(mesh: TetMesh, dual: Duals) -> tuple[Bools, Bools]:
     """Per facet (f,) and edge (e,) whether its dual is shorter or smaller than nothing, ties left out."""
-    topology = mesh.topology
-    radii = quality.circumradii(mesh.points, mesh.tets)
-    radius = np.zeros(len(dual.lengths))
-    np.maximum.at(radius, topology.tet_facets, radii[:, None])
-    squares = np.square(np.diff(mesh.points[topology.edges], axis=1)).sum(axis=(1, 2))
+    radii = compiled_quality.circumradii(mesh.points, mesh.tets)
+    pairs, single = mesh.topology.half_facets
+    radius = np.concatenate([np.maximum(radii[pairs[:, 0] >> 2], radii[pairs[:, 1] >> 2]), radii[single >> 2]])
+    squares = _squared_lengths(mesh)
     return dual.lengths < -dual.errors - COSPHERICAL * radius, dual.areas < -dual.area_errors - COSPHERICAL * squares
 
 
 def _encroached(mesh: TetMesh, lengths: Floats, errors: Floats) -> Bools:
     """Per interior facet whether a vertex beyond it lies inside the sphere of the tet before it, ties left out."""
     pairs = mesh.topology.interior_pairs
-    radii = quality.circumradii(mesh.points, mesh.tets)
+    radii = compiled_quality.circumradii(mesh.points, mesh.tets)
     slack = COSPHERICAL * (radii[pairs[:, 0]] + radii[pairs[:, 2]]) / 2.0 + errors[: len(pairs)]
     inside: Bools = ~(lengths[: len(pairs)] >= -slack)
     return inside
+
+
+def _squared_lengths(mesh: TetMesh) -> Floats:
+    """(e,) of the edges."""
+    start, end = mesh.topology.edges.T
+    vectors = mesh.points[end] - mesh.points[start]
+    squares: Floats = np.einsum("ei,ei->e", vectors, vectors)
+    return squares
 
 
 def _summed(places: NDArray[np.int64], values: Floats, count: int) -> Floats:
@@ -253,6 +272,6 @@ def _summed(places: NDArray[np.int64], values: Floats, count: int) -> Floats:
 
 def _per_facet(mesh: TetMesh, table: Floats) -> Floats:
     """(f,) per row of ``topology.facets`` the sum over its one or two tets of ``table`` (m, 4)."""
-    pairs, border = mesh.topology.interior_pairs, mesh.topology.boundary_half_facets
-    inside = table[pairs[:, 0], pairs[:, 1]] + table[pairs[:, 2], pairs[:, 3]]
-    return np.concatenate([inside, table[border[:, 0], border[:, 1]]])
+    pairs, single = mesh.topology.half_facets
+    flat = table.reshape(-1)
+    return np.concatenate([flat[pairs[:, 0]] + flat[pairs[:, 1]], flat[single]])

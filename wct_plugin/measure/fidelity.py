@@ -5,7 +5,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
@@ -104,8 +104,8 @@ def _interfaces(mesh: TetMesh) -> dict[str, SurfaceMesh]:
 
 def measure_volumes(old: TetMesh, new: TetMesh, enclosed: Mapping[str, float]) -> dict[str, Quantity]:
     """Of each region, by tag; ``enclosed``: what it was, where that is not the old mesh's."""
-    of_old = quality.volumes(old.points, old.tets)
-    of_new = of_old if new is old else quality.volumes(new.points, new.tets)
+    of_old = compiled_quality.volumes(old.points, old.tets)
+    of_new = of_old if new is old else compiled_quality.volumes(new.points, new.tets)
     out: dict[str, Quantity] = {}
     for tag in np.unique(old.regions):
         before = enclosed.get(str(tag), float(of_old[old.regions == tag].sum()))

@@ -354,6 +354,14 @@ def measure(mesh: TetMesh) -> Quality:
             flags[1, part] = _all_positive(faces, shapes.face_bounds(), corners, _well_centered_2)
             # Acute implies 2WC, so that only what is 2WC need be looked at.
             flags[2, part] = _all_positive(dihedrals, shapes.dihedral_bounds(), corners, _acute, flags[1, part])
+    return from_rows(floats, worst, flags)
+
+
+def from_rows(floats: Floats, worst: NDArray[np.int8], flags: Bools) -> Quality:
+    """The measures as objects: numbers (8, m) and flags (3, m) in the order of :class:`Quality`, and the worst facets.
+
+    The arrays are the result's from now on.
+    """
     _keep_to_flags(floats, flags)
     floats.setflags(write=False)
     worst.setflags(write=False)

@@ -25,10 +25,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wct_plugin.measure import duals, quality
+from wct_plugin.core import _core
+from wct_plugin.measure import compiled_quality, duals
 from wct_plugin.measure.stray_circumcenters import stray_circumcenters
 from wct_plugin.mesh import TetMesh, region_parts, unit_scaling
-from wct_plugin.mesh.topology import OPPOSITE_EDGES
 from wct_plugin.types import Floats, Ints
 
 #: What is said of a region, as :meth:`RegionView.shown` says it.
@@ -101,14 +101,17 @@ def view(mesh: TetMesh, of: duals.Duals | None = None) -> SolverView:
     of_point[parts.tets] = of_tet[:, None]
     of_edge = of_point[parts.topology.edges[:, 0]]
     _, negative = duals.negative(parts, of if of and parts is mesh else duals.compute_duals(parts))
-    signed = quality.volumes(unit_scaling.normalized(mesh.points), mesh.tets)
+    points = unit_scaling.normalized(mesh.points)
+    unsigned, signed = _core.unsigned_volumes(points, mesh.tets), compiled_quality.volumes(points, mesh.tets)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = summed(of_tet, unsigned_volumes(mesh)) / summed(of_tet, signed)
+        ratios = summed(of_tet, unsigned) / summed(of_tet, signed)
+    pairs = mesh.topology.interior_pairs
+    cosines = _core.orthogonality(points, mesh.tets, pairs)
     columns = (
         summed(of_edge).astype(np.int64),
         summed(of_edge[negative]).astype(np.int64),
         ratios,
-        *_least_and_mean(orthogonality(mesh), of_tet[mesh.topology.interior_pairs[:, ::2]], len(tags)),
+        *_least_and_mean(cosines, of_tet[pairs[:, ::2]], len(tags)),
         summed(of_tet[stray_circumcenters(parts)]).astype(np.int64),
     )
     *regions, total = (RegionView(*row) for row in zip(*(column.tolist() for column in columns), strict=True))
@@ -126,29 +129,3 @@ def _least_and_mean(cosines: Floats, sides: Ints, count: int) -> tuple[Floats, F
     means = np.divide(sums, number, out=np.ones(count + 1), where=number > 0)
     largest, mean = (np.degrees(np.arccos(np.clip(each, -1.0, 1.0))) for each in (least, means))
     return largest, mean
-
-
-def unsigned_volumes(mesh: TetMesh) -> Floats:
-    """(m,) the volume per tet of the parts of dual cells in it, without their signs, in the unit of ``unit_scaling``.
-
-    Infinite in tets so flat that it is not known.
-    """
-    points, topology = unit_scaling.normalized(mesh.points), mesh.topology
-    heights, _, cotangents = quality.heights_and_cotangents(points, mesh.tets)
-    squares = np.square(np.diff(points[topology.edges], axis=1)).sum(axis=(1, 2))[topology.tet_edges]
-    with np.errstate(invalid="ignore", over="ignore"):
-        parts = np.repeat(heights, 3, axis=1) * cotangents * squares[:, OPPOSITE_EDGES] / 12.0
-    unsigned: Floats = np.nan_to_num(np.abs(parts).sum(axis=1), nan=np.inf)
-    return unsigned
-
-
-def orthogonality(mesh: TetMesh) -> Floats:
-    """(p,) cosine between facet normal and line of centroids, per row of ``topology.interior_pairs``."""
-    points = unit_scaling.normalized(mesh.points)
-    pairs = mesh.topology.interior_pairs
-    first, second, third = (points[corner] for corner in mesh.topology.facets[: len(pairs)].T)
-    centroids = points[mesh.tets].mean(axis=1)
-    normals, lines = np.cross(second - first, third - first), centroids[pairs[:, 2]] - centroids[pairs[:, 0]]
-    sizes = np.linalg.norm(normals, axis=1) * np.linalg.norm(lines, axis=1)
-    cosines: Floats = np.einsum("ki,ki->k", normals, lines) / sizes
-    return cosines

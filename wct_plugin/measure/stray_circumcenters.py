@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality, quality
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.topology import FACETS
 from wct_plugin.types import Bools, Floats, Ints
@@ -18,22 +18,27 @@ def stray_circumcenters(mesh: TetMesh) -> Bools:
     :func:`wct_plugin.mesh.region_parts.apart` gives. All ways are followed at once, from tet to tet.
     """
     points, tets, adjacency = unit_scaling.normalized(mesh.points), mesh.tets, mesh.topology.adjacency
-    heights, errors = quality.heights(points, tets)
-    starts = points[tets].mean(axis=1)
-    ways = quality.circumcenters(points, tets) - starts
-    stray: Bools = ~np.isfinite(ways).all(axis=1)
-    walking = np.flatnonzero((heights < -errors).any(axis=1) & ~stray)
+    heights, errors = compiled_quality.heights(points, tets)
+    beyond_facet, flat = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
+    walking = np.flatnonzero(beyond_facet | flat)
+    starts = points[tets[walking]].mean(axis=1)
+    ways = quality.circumcenters(points, tets[walking]) - starts
+    endless = ~np.isfinite(ways).all(axis=1)
+    stray = np.zeros(len(tets), dtype=bool)
+    stray[walking[endless]] = True
+    on = beyond_facet[walking] & ~endless
+    walking, starts, ways = walking[on], starts[on], ways[on]
     here, came_from = walking, np.full(len(walking), -1)
     for _ in range(len(tets)):  # a straight line crosses a tet once
         if not len(walking):
             break
         entered = (adjacency[here] == came_from[:, None]) & (came_from[:, None] >= 0)
-        facet, part = _way_out(points[tets[here]], starts[walking], ways[walking], entered)
+        facet, part = _way_out(points[tets[here]], starts, ways, entered)
         beyond = adjacency[here, facet]
         on = part < 1.0 - _ROUNDING
         stray[walking[on & (beyond < 0)]] = True
         on &= beyond >= 0
-        walking, here, came_from = walking[on], beyond[on], here[on]
+        walking, starts, ways, here, came_from = walking[on], starts[on], ways[on], beyond[on], here[on]
     return stray
 
 

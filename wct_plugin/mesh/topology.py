@@ -29,8 +29,8 @@ class Topology:
         self._count = count
 
     @cached_property
-    def _paired(self) -> tuple[Ints, Ints]:
-        """Half-facets (tet * 4 + facet) that face each other, and those that face nothing.
+    def half_facets(self) -> tuple[Ints, Ints]:
+        """Half-facets (4 * tet + facet, opposite that vertex) that face each other, and those that face nothing.
 
         Returns ``pairs`` (p, 2), the first the smaller, and ``single`` (b,), ascending.
         Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
@@ -46,29 +46,31 @@ class Topology:
         facing[order[:-1][same]] = order[1:][same]
         first = np.flatnonzero(facing >= 0)
         pairs = np.column_stack([first, facing[first]])
-        single = np.ones(len(order), dtype=bool)
-        single[pairs] = False
-        return pairs, np.flatnonzero(single)
+        facing[pairs[:, 1]] = 0
+        return pairs, np.flatnonzero(facing < 0)
 
     @cached_property
     def adjacency(self) -> Ints:
         """(m, 4) the tet across facet i (opposite vertex i), -1 on the boundary."""
-        pairs, _ = self._paired
+        pairs, _ = self.half_facets
         out = np.full(4 * len(self._tets), -1, dtype=np.int64)
-        out[pairs[:, 0]] = pairs[:, 1] // 4
-        out[pairs[:, 1]] = pairs[:, 0] // 4
+        out[pairs[:, 0]] = pairs[:, 1] >> 2
+        out[pairs[:, 1]] = pairs[:, 0] >> 2
         return out.reshape(-1, 4)
 
     @cached_property
     def interior_pairs(self) -> Ints:
         """(p, 4) per interior facet: tet, its local facet, the tet across, its local facet."""
-        pairs, _ = self._paired
-        return np.column_stack([pairs[:, 0] // 4, pairs[:, 0] % 4, pairs[:, 1] // 4, pairs[:, 1] % 4])
+        pairs, _ = self.half_facets
+        out = np.empty((len(pairs), 4), dtype=np.int64)
+        np.right_shift(pairs, 2, out=out[:, ::2])
+        np.bitwise_and(pairs, 3, out=out[:, 1::2])
+        return out
 
     @cached_property
     def boundary_half_facets(self) -> Ints:
         """(b, 2) per boundary facet: its tet and local facet."""
-        _, single = self._paired
+        _, single = self.half_facets
         return np.column_stack([single // 4, single % 4])
 
     @cached_property
@@ -108,7 +110,7 @@ class Topology:
     @cached_property
     def tet_facets(self) -> Ints:
         """(m, 4) the row of :attr:`facets` for the facet opposite each vertex."""
-        pairs, single = self._paired
+        pairs, single = self.half_facets
         out = np.empty(4 * len(self._tets), dtype=np.int64)
         out[pairs] = np.arange(len(pairs))[:, None]
         out[single] = len(pairs) + np.arange(len(single))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from wct_plugin.core.requests import ConformOptions
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.meshing import conforming
 from wct_plugin.meshing.judgement import Found
@@ -28,7 +28,7 @@ def change_least(given: NormalizedMesh, options: WellCenterOptions, progress: Pr
     listen = Listener(progress, bad)
     if not listen.stopped:
         new = _conformed(given, tolerance, options, listen)
-        measured = quality.measure(new)
+        measured = compiled_quality.measure(new)
         left = count_bad(new, measured, options.goal)
         fault = "" if new is mesh else find_fault(given, new, own, tolerance, stopped=False)
         if fault:

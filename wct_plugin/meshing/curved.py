@@ -7,7 +7,7 @@ import numpy as np
 
 from wct_plugin.core import _core
 from wct_plugin.exact import predicates
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.conserved import group_names
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.fidelity import Fidelity, interface_rows
@@ -39,14 +39,14 @@ def on_surface(mesh: TetMesh, goal: Literal["3wc", "cwc"], margin: float, crease
     strata = find_strata(mesh, crease_angle)
     target = _targets(mesh, of, strata)
     wants = (target != mesh.points).any(axis=1)
-    before = misses(mesh, quality.measure(mesh), goal)
+    before = misses(mesh, compiled_quality.measure(mesh), goal)
     for _ in range(_TRIES):
         points = _unturned(mesh, np.where(wants[:, None], target, mesh.points))
         wants &= (points != mesh.points).any(axis=1)
         if not wants.any():
             break
         made = _inside_moved(mesh.altered(points=points), strata, goal, margin)
-        bad = misses(made, quality.measure(made), goal)
+        bad = misses(made, compiled_quality.measure(made), goal)
         if bad.sum() <= before.sum():
             return made
         wants[mesh.tets[bad & ~before]] = False

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from wct_plugin.errors import WctWarning
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.goals import misses
 from wct_plugin.measure.quality import Quality
 from wct_plugin.measure.thin_walls import thinnest
@@ -35,7 +35,7 @@ class NormalizedMesh:
     @cached_property
     def measured(self) -> Quality:
         """Of the tets that came."""
-        return quality.measure(self.mesh)
+        return compiled_quality.measure(self.mesh)
 
     def count_bad(self, goal: str) -> int:
         """Tets that keep it from the goal."""

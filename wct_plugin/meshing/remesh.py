@@ -7,7 +7,7 @@ import numpy as np
 
 from wct_plugin.core.domain import StratifiedMesh
 from wct_plugin.core.results import SearchResult
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.measure.planes import PlaneCount
 from wct_plugin.measure.quality import Quality
@@ -63,7 +63,7 @@ def remesh(
         return follow.found(mesh, given.measured, work)
     result, better = _choose(follow, tried, stopped=listen.stopped)
     listen.measure(result.bad if result else bad)
-    after = quality.measure(better)
+    after = compiled_quality.measure(better)
     gain = bad * len(after) - count_bad(better, after, options.goal) * len(given.measured)
     if few_enough and (gain < 0 or (gain == 0 and listen.stopped)):  # the output is never worse
         better, after = mesh, given.measured
@@ -257,7 +257,7 @@ def _own_start(
 def _bad_share(start: StratifiedMesh, goal: str) -> float:
     """Of the tets that miss the goal in a start of the search."""
     mesh = TetMesh(start.points, start.tets)
-    return count_bad(mesh, quality.measure(mesh), goal) / len(mesh.tets)
+    return count_bad(mesh, compiled_quality.measure(mesh), goal) / len(mesh.tets)
 
 
 def _has_rough_sheets(given: NormalizedMesh) -> bool:

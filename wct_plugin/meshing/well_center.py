@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import WctWarning
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.goals import DUAL
 from wct_plugin.mesh import SurfaceMesh, TetMesh, unit_scaling
 from wct_plugin.mesh.periodic import find_periodic
@@ -154,7 +154,7 @@ def _put_on_curved(made: TetMesh, found: Found, options: WellCenterOptions, unit
     moved = curved.on_surface(given, options.goal, options.margin, options.crease_angle)
     if moved is given or overlap(moved):
         return made, found
-    return unit_scaling.scaled(moved, unit), found._replace(measured=quality.measure(moved))
+    return unit_scaling.scaled(moved, unit), found._replace(measured=compiled_quality.measure(moved))
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,6 +239,6 @@ class _Work:
             works.append(found.work)
             changed |= new is not given
         better = (zipped.unzipped(made) if changed else mesh).altered(reference=surface)
-        measured = quality.measure(unit_scaling.scaled(better, -unit))
+        measured = compiled_quality.measure(unit_scaling.scaled(better, -unit))
         work = parts_work.together(works, [(reference or part).diagonal / diagonal for part, _ in zipped.parts])
         return own, better, Found(better, measured, math.ldexp(tolerance, -unit), work, own)

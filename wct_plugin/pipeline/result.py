@@ -6,7 +6,7 @@ from typing import Any
 
 from wct_plugin.certify.overlapping_tets import overlap
 from wct_plugin.errors import OptionError
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.goals import DUAL, FLAGS, misses
 from wct_plugin.mesh import TetMesh
 from wct_plugin.pipeline.flow import Flow, size
@@ -90,7 +90,7 @@ class StageResult:
         goal, mesh = goal_of(self.stage), self.flow.mesh
         if goal is None or not isinstance(mesh, TetMesh):
             return None
-        missing = misses(mesh, quality.measure(mesh), goal)
+        missing = misses(mesh, compiled_quality.measure(mesh), goal)
         most = getattr(self.stage.options, "max_tets", None)
         losses = tuple(loss["text"] for loss in self.metrics.get("losses", ()))
         stopped, valid = bool(self.metrics.get("stopped")), overlap(mesh) is None

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wct_plugin.errors import WctError, how_to_install
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.strata import find_strata
 from wct_plugin.mesh.topology import Topology
@@ -49,7 +49,7 @@ def check_available() -> None:
 def pictures(mesh: TetMesh) -> tuple[tuple[Picture, ...], tuple[Picture, ...]]:
     """Of the boundary and of the bad tets, if there are any, from one side; and the same from the opposite side."""
     check_available()
-    measured = quality.measure(mesh)
+    measured = compiled_quality.measure(mesh)
     outside = ~measured.well_centered_3
     bad = np.flatnonzero(~measured.completely_well_centered)
     colour = colours(measured.min_height)

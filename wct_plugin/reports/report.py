@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 
 from wct_plugin.certify import certificate
 from wct_plugin.certify.certificate import Certificate
-from wct_plugin.measure import duals, fidelity, pinned, planes, quality, released_creases, shape_floor, solver_view
+from wct_plugin.measure import (
+    compiled_quality,
+    duals,
+    fidelity,
+    pinned,
+    planes,
+    released_creases,
+    shape_floor,
+    solver_view,
+)
 from wct_plugin.measure.coincident import Coincident, count_coincident
 from wct_plugin.measure.coincident import describe as describe_coincident
 from wct_plugin.measure.deviation import measure_deviation
@@ -241,7 +250,7 @@ def make_report(
     :func:`wct_plugin.mesh.unit_scaling.check` refuses.
     """
     unit_scaling.check(mesh)
-    measured = quality.measure(mesh)
+    measured = compiled_quality.measure(mesh)
     places = strata.places_of(mesh, strata.find_strata(mesh))
     flags = {
         "3wc": measured.well_centered_3,
@@ -292,14 +301,13 @@ def make_report(
     )
 
 
-def _histograms(mesh: TetMesh, measured: quality.Quality) -> dict[str, NDArray[np.int64]]:
-    values = {
-        "h/R": measured.min_height,
-        "face_angle": measured.max_face_angle,
-        "dihedral_angle": quality.dihedral_angles(mesh.points, mesh.tets).ravel(),
-        "R/l": measured.radius_over_edge,
+def _histograms(mesh: TetMesh, measured: Quality) -> dict[str, NDArray[np.int64]]:
+    return {
+        "h/R": _counts("h/R", measured.min_height),
+        "face_angle": _counts("face_angle", measured.max_face_angle),
+        "dihedral_angle": compiled_quality.dihedral_counts(mesh, BINS["dihedral_angle"]),
+        "R/l": _counts("R/l", measured.radius_over_edge),
     }
-    return {name: _counts(name, each) for name, each in values.items()}
 
 
 def _notes(

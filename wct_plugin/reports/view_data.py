@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wct_plugin.measure import quality
+from wct_plugin.measure import compiled_quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.types import Bools, Floats, Ints
 
@@ -69,7 +69,7 @@ def pack(mesh: TetMesh, frame: Frame, scales: Mapping[str, Scale], tags: Ints, a
 
     ``apart`` (b,) is the deviation of each boundary facet, if it is known.
     """
-    measured = quality.measure(mesh)
+    measured = compiled_quality.measure(mesh)
     kind = np.where(measured.completely_well_centered, 0, np.where(measured.well_centered_3, 1, 2))
     tets, note = chosen(mesh, kind, measured.min_height)
     used, corners = np.unique(mesh.tets[tets], return_inverse=True)

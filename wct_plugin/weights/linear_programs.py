@@ -22,7 +22,7 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_array, eye_array, hstack, vstack
 
 from wct_plugin.errors import WctError
-from wct_plugin.measure import orthocenters, quality
+from wct_plugin.measure import compiled_quality, orthocenters
 from wct_plugin.mesh import TetMesh
 from wct_plugin.types import Floats
 from wct_plugin.weights.relaxation import ROUNDS, STAGES, relax, widen
@@ -161,7 +161,7 @@ def _lift(rows: Rows, weights: Floats, aim: float) -> Iterator[Floats]:
 
 def _result(mesh: TetMesh, weights: Floats) -> PowerWeights:
     weights = weights - weights.min()
-    heights, errors = quality.heights(mesh.points, mesh.tets)
+    heights, errors = compiled_quality.heights(mesh.points, mesh.tets)
     shifted, errors = orthocenters.shift_heights(mesh.points, mesh.tets, heights, errors, weights)
     known = np.isfinite(errors)
     return PowerWeights(weights, np.where(known, shifted, np.nan) / local_length(mesh)[:, None])

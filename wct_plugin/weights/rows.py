@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from wct_plugin.measure import orthocenters, quality
+from wct_plugin.measure import compiled_quality, orthocenters
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import EDGES
 from wct_plugin.types import Bools, Floats, Ints
@@ -92,7 +92,7 @@ def make_rows(mesh: TetMesh) -> Rows:
     unit = float(np.median(length)) ** 2
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         slopes = orthocenters.slopes(mesh.points, mesh.tets) * (unit / length)[:, None, None]
-        heights, errors = (of / length[:, None] for of in quality.heights(mesh.points, mesh.tets))
+        heights, errors = (of / length[:, None] for of in compiled_quality.heights(mesh.points, mesh.tets))
     steepness = np.abs(slopes).max(axis=(1, 2)) * length**2 / unit
     flat: Bools = ~((steepness < _STEEPEST) & np.isfinite(errors).all(axis=1))
     heights[flat], slopes[flat] = 1.0, 0.0

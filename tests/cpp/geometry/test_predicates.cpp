@@ -98,6 +98,20 @@ template <class T> bool has_acute_angles(const std::array<Point<T>, 3> &p) {
     return true;
 }
 
+/// The facets at edge i j meet acutely where the other two corners, seen along the edge, span an acute angle.
+template <class T> bool has_acute_dihedral_angles(const std::array<Point<T>, 4> &p) {
+    for (int i = 0; i < 4; ++i)
+        for (int j = i + 1; j < 4; ++j) {
+            const int k = i != 0 && j != 0 ? 0 : i != 1 && j != 1 ? 1 : 2;
+            const int l = 6 - i - j - k;
+            const Point<T> e = minus(p[j], p[i]), a = minus(p[k], p[i]), b = minus(p[l], p[i]);
+            // |e|^2 a . b - (a . e)(b . e), the dot product of what of a and b is normal to e, times |e|^2
+            if (sign(inner(e, e) * inner(a, b) - inner(a, e) * inner(b, e)) <= 0)
+                return false;
+        }
+    return true;
+}
+
 Vec3 real(const Point<Long> &p, int ex, int ey, int ez) {
     return {std::ldexp(static_cast<double>(p[0]), ex), std::ldexp(static_cast<double>(p[1]), ey),
             std::ldexp(static_cast<double>(p[2]), ez)};
@@ -265,9 +279,9 @@ TEST_CASE("Predicates where differences of coordinates overflow or are lost") {
     CHECK(insphere({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1 + 0x1p-52}) == -1);
 }
 
-TEST_CASE("A tet contains its circumcenter, and a triangle is acute, exactly") {
+TEST_CASE("A tet contains its circumcenter, a triangle and dihedral angles are acute, exactly") {
     Random random(4);
-    int inside = 0, acute = 0, wrong = 0;
+    int inside = 0, acute = 0, sharp = 0, wrong = 0;
     for (int k = 0; k < 40000; ++k) {
         const int most = k % 2 ? 3 : 40; // small ones have centers on facets, and right angles
         std::array<Point<Long>, 4> p;
@@ -283,6 +297,10 @@ TEST_CASE("A tet contains its circumcenter, and a triangle is acute, exactly") {
             const bool wanted = holds_circumcenter<Long>(p);
             inside += wanted;
             wrong += geometry::contains_circumcenter(x[0], x[1], x[2], x[3]) != wanted;
+            const bool dihedral = has_acute_dihedral_angles<Long>(p);
+            sharp += dihedral;
+            wrong += geometry::dihedral_angles_acute(x[0], x[1], x[2], x[3]) != dihedral;
+            wrong += geometry::dihedral_angles_acute(x[1], x[0], x[2], x[3]) != dihedral; // inverted
         }
         const bool wanted = has_acute_angles<Long>({p[0], p[1], p[2]});
         acute += wanted;
@@ -291,6 +309,35 @@ TEST_CASE("A tet contains its circumcenter, and a triangle is acute, exactly") {
     CHECK(wrong == 0);
     CHECK(inside > 200);
     CHECK(acute > 5000);
+    CHECK(sharp > 200);
+}
+
+TEST_CASE("Tets of all digits and of far apart magnitudes are judged by the same rules") {
+    Random random(14);
+    int inside = 0, sharp = 0, wrong = 0;
+    for (int k = 0; k < 3000; ++k) {
+        // Regular but for noise; every third with a corner whose lowest digit is far below the others' highest.
+        std::array<Vec3, 4> x{Vec3{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+        for (Vec3 &p : x)
+            p += 0.25 * random.normal3();
+        if (k % 3 == 0)
+            x[random.below(4)].x += 0x1p-80;
+        if (k % 3 == 1)
+            x[random.below(4)].y = 0x1p-70;
+        if (geometry::orient3d(x[0], x[1], x[2], x[3]) < 0)
+            std::swap(x[0], x[1]);
+        const auto p = whole(x);
+        const bool holds = holds_circumcenter<BigInteger>(p);
+        const bool dihedral = has_acute_dihedral_angles<BigInteger>(p);
+        inside += holds;
+        sharp += dihedral;
+        wrong += geometry::contains_circumcenter(x[0], x[1], x[2], x[3]) != holds;
+        wrong += geometry::dihedral_angles_acute(x[0], x[1], x[2], x[3]) != dihedral;
+        wrong += geometry::acute(x[0], x[1], x[2]) != has_acute_angles<BigInteger>({p[0], p[1], p[2]});
+    }
+    CHECK(wrong == 0);
+    CHECK(inside > 500);
+    CHECK(sharp > 500);
 }
 
 TEST_CASE("What surely_positive says of a rounded flatness is so") {
