@@ -11,7 +11,7 @@ LAYERS = (
     {"conform"},
     {"refill"},
     {"sampling"},
-    {"domain", "delaunay", "search", "move_vertices"},
+    {"domain", "delaunay", "search", "move_vertices", "measure"},
     {"energy", "geometry"},
     {"base"},
 )

@@ -59,11 +59,9 @@ def count_negative_duals(mesh: TetMesh, of: Duals) -> NegativeDuals:
     """Count the signs of what :func:`wct_plugin.measure.duals.compute_duals` gave for ``mesh``."""
     topology = mesh.topology
     at_facets = np.arange(len(of.lengths)) >= len(topology.interior_pairs)
-    at_edges = np.zeros(len(of.areas), dtype=bool)
-    at_edges[topology.facet_edges[at_facets]] = True
     tables = (
         (of.volumes, of.volume_errors, topology.boundary_points),
-        (of.areas, of.area_errors, at_edges),
+        (of.areas, of.area_errors, topology.boundary_edges),
         (of.lengths, of.errors, at_facets),
     )
     return NegativeDuals(

@@ -9,6 +9,8 @@ from wct_plugin.types import Bools, Floats, Ints
 
 #: A circumcenter on the boundary but for this part of its way from the centroid is not outside.
 _ROUNDING = 1e-9
+#: Tets that are looked at together, so that it takes little memory beside the mesh.
+_BLOCK = 1 << 17
 
 
 def stray_circumcenters(mesh: TetMesh) -> Bools:
@@ -18,8 +20,11 @@ def stray_circumcenters(mesh: TetMesh) -> Bools:
     :func:`wct_plugin.mesh.region_parts.apart` gives. All ways are followed at once, from tet to tet.
     """
     points, tets, adjacency = unit_scaling.normalized(mesh.points), mesh.tets, mesh.topology.adjacency
-    heights, errors = compiled_quality.heights(points, tets)
-    beyond_facet, flat = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
+    beyond_facet, flat = np.empty((2, len(tets)), dtype=bool)
+    for start in range(0, len(tets), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        heights, errors = compiled_quality.heights(points, tets[part])
+        beyond_facet[part], flat[part] = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
     walking = np.flatnonzero(beyond_facet | flat)
     starts = points[tets[walking]].mean(axis=1)
     ways = quality.circumcenters(points, tets[walking]) - starts

@@ -143,6 +143,14 @@ class Topology:
         return edges
 
     @cached_property
+    def boundary_edges(self) -> Bools:
+        """(e,) mask of the edges on the boundary."""
+        half = self.boundary_half_facets
+        out = np.zeros(len(self.edges), dtype=bool)
+        out[self.tet_edges[half[:, :1], OPPOSITE_EDGES.reshape(4, 3)[half[:, 1]]]] = True
+        return out
+
+    @cached_property
     def pieces(self) -> Ints:
         """(m,) a label per tet, equal where a path through facets within one region joins two tets, from 0."""
         pairs = self.interior_pairs
