@@ -63,7 +63,24 @@ class Workers {
         });
     }
 
+    /// What must be added up in order: make(first, last, part) fills a part per chunk, on any thread; take(first, last,
+    /// part) is called for one after the other, in their order, here. Few parts are held at a time.
+    template <class Part, class Make, class Take>
+    void in_order(std::size_t count, std::size_t chunk, const Make &make, const Take &take) const {
+        const std::size_t held = chunk * (threads_ == 1 ? 1 : kHeld);
+        std::vector<Part> parts((std::min(count, held) + chunk - 1) / chunk);
+        for (std::size_t begin = 0; begin < count; begin += held) {
+            const std::size_t some = std::min(held, count - begin);
+            for_chunks(some, chunk, [&](std::size_t first, std::size_t last) {
+                make(begin + first, begin + last, parts[first / chunk]);
+            });
+            for (std::size_t first = 0; first < some; first += chunk)
+                take(begin + first, begin + std::min(some, first + chunk), parts[first / chunk]);
+        }
+    }
+
   private:
+    static constexpr std::size_t kHeld = 16; // parts at a time
     unsigned threads_;
 };
 

@@ -47,7 +47,7 @@ class Mending : public Builder {
 
     std::size_t count() const { return points_.size(); }
     /// Put the points elsewhere; afterwards it is Delaunay, or false: it is of no more use.
-    bool move(std::span<const Vec3> points);
+    bool move(std::span<const Vec3> points, const Workers &workers);
 
   private:
     /// A facet between the cavity and the tets round it.
@@ -61,6 +61,8 @@ class Mending : public Builder {
     /// Whether a facet is not locally Delaunay, or one of its tets not positive.
     bool is_broken(int facet) const;
     bool is_wrong(int tet) const;
+    /// Whether it is not positive, or not Delaunay at a facet that it has in common with a tet of a greater number.
+    bool is_first_wrong(int tet) const;
     /// Whether the tet, which is positive, and one beyond its facet, `outside` as named there, are at odds.
     bool at_odds(int tet, const Mending &there, int outside) const;
     bool mend(int tet);
@@ -107,33 +109,43 @@ bool Mending::is_wrong(int tet) const {
            is_broken(4 * tet + 3);
 }
 
-bool Mending::move(std::span<const Vec3> points) {
+bool Mending::is_first_wrong(int tet) const {
+    bool any = turned_[tet];
+    for (int i = 0; i < 4 && !any; ++i)
+        any = tets_[tet].across[i] >> 2 > tet && is_broken(4 * tet + i);
+    return any;
+}
+
+bool Mending::move(std::span<const Vec3> points, const Workers &workers) {
     for (std::size_t v = 0; v < points_.size(); ++v) {
         const Vec3 &p = points[order_[v]];
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
             return false;
         points_[v] = p;
     }
-    const int slots = static_cast<int>(tets_.size());
+    constexpr std::size_t chunk = 4096;
     turned_.assign(tets_.size(), 0);
     stamp_.assign(tets_.size(), 0);
     now_ = 0;
-    for (int t = 0; t < slots; ++t)
+    workers.for_each(tets_.size(), chunk, [this](std::size_t k) {
+        const int t = static_cast<int>(k);
         turned_[t] =
             alive(t) && !is_ghost(t) && geometry::orient3d(corner(t, 0), corner(t, 1), corner(t, 2), corner(t, 3)) <= 0;
-    const auto most = static_cast<std::size_t>(kMostWrong * slots);
+    });
     std::vector<int> wrong;
-    for (int t = 0; t < slots; ++t) {
-        if (!alive(t))
-            continue;
-        bool any = turned_[t];
-        for (int i = 0; i < 4 && !any; ++i)
-            any = tets_[t].across[i] >> 2 > t && is_broken(4 * t + i);
-        if (any)
-            wrong.push_back(t);
-        if (wrong.size() > most)
-            return false;
-    }
+    workers.in_order<std::vector<int>>(
+        tets_.size(), chunk,
+        [this](std::size_t begin, std::size_t end, std::vector<int> &found) {
+            found.clear();
+            for (int t = static_cast<int>(begin); t < static_cast<int>(end); ++t)
+                if (alive(t) && is_first_wrong(t))
+                    found.push_back(t);
+        },
+        [&wrong](std::size_t, std::size_t, const std::vector<int> &found) {
+            wrong.insert(wrong.end(), found.begin(), found.end());
+        });
+    if (static_cast<double>(wrong.size()) > kMostWrong * static_cast<double>(tets_.size()))
+        return false;
     return std::all_of(wrong.begin(), wrong.end(), [this](int t) { return !alive(t) || !is_wrong(t) || mend(t); });
 }
 
@@ -310,8 +322,8 @@ MovingDelaunay::MovingDelaunay(MovingDelaunay &&) noexcept = default;
 MovingDelaunay &MovingDelaunay::operator=(MovingDelaunay &&) noexcept = default;
 MovingDelaunay::~MovingDelaunay() = default;
 
-Triangulation MovingDelaunay::of(std::span<const Vec3> points) {
-    if (!kept_ || kept_->count() != points.size() || !kept_->move(points)) {
+Triangulation MovingDelaunay::of(std::span<const Vec3> points, const Workers &workers) {
+    if (!kept_ || kept_->count() != points.size() || !kept_->move(points, workers)) {
         kept_.reset();
         kept_ = std::make_unique<Mending>(points);
         ++made_;

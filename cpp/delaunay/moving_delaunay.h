@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/parallel.h"
 #include "delaunay/delaunay.h"
 
 #include <cstddef>
@@ -25,7 +26,7 @@ class MovingDelaunay {
 
     /// That of the points, numbered as they were last; made anew where there are more or fewer of them, and where too
     /// much is to be mended. Throws as delaunay().
-    Triangulation of(std::span<const Vec3> points);
+    Triangulation of(std::span<const Vec3> points, const Workers &workers = Workers());
 
     /// How often it was made anew.
     std::size_t made() const { return made_; }

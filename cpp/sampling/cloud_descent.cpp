@@ -63,9 +63,9 @@ class Objective {
   public:
     Objective(const Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
               const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
-              const FitForm &fit, const std::vector<Tie> &ties, double reach)
+              const FitForm &fit, const std::vector<Tie> &ties, double reach, const Workers &workers)
         : cloud_(cloud), direction_(direction), form_(form), edge_form_(edges), fit_(fit), ties_(ties), reach_(reach),
-          scaled_(cloud.points) {
+          workers_(workers), scaled_(cloud.points) {
         for (std::size_t i = 0; i < scaled_.size(); ++i)
             scaled_[i] = (1.0 / cloud.size[i]) * scaled_[i];
         next_ = scaled_;
@@ -137,6 +137,7 @@ class Objective {
     std::size_t evaluations() const { return evaluations_; }
 
   private:
+    static constexpr std::size_t kTogether = 512;  // tets that one thread measures together
     static constexpr double kSteep = 0.5;
     static constexpr double kHeldBack = 0.25; // share of its step left to a point in whose way a tet is
 
@@ -158,30 +159,48 @@ class Objective {
         return sum;
     }
 
+    /// Energies of some tets and their gradients, a group of lanes after the other.
+    struct Part {
+        std::vector<energy::Lanes> energy;
+        std::vector<energy::GradientLanes> gradient;
+    };
+
     void add_tets(double &sum, energy::Field &gradient) {
-        const bool cosines = form_.weight2 > 0.0;
         blocked_.clear();
+        evaluations_ += tets_.size();
+        workers_.in_order<Part>(
+            tets_.size(), kTogether,
+            [this](std::size_t begin, std::size_t end, Part &part) { measure_tets(begin, end, part); },
+            [&](std::size_t begin, std::size_t end, const Part &part) {
+                for (std::size_t t = begin; t < end; ++t) {
+                    const std::size_t group = (t - begin) / energy::kLanes;
+                    const int l = static_cast<int>((t - begin) % energy::kLanes);
+                    if (!(part.energy[group][l] < std::numeric_limits<double>::infinity()))
+                        blocked_.insert(blocked_.end(), tets_[t].begin(), tets_[t].end());
+                    sum += part.energy[group][l];
+                    const auto &corner = part.gradient[group].corner;
+                    for (int k = 0; k < 4; ++k)
+                        gradient[tets_[t][k]] += {corner[k][0][l], corner[k][1][l], corner[k][2][l]};
+                }
+            });
+    }
+
+    void measure_tets(std::size_t begin, std::size_t end, Part &part) const {
+        const bool cosines = form_.weight2 > 0.0;
+        const std::size_t groups = (end - begin + energy::kLanes - 1) / energy::kLanes;
+        part.energy.resize(groups);
+        part.gradient.resize(groups);
         energy::TetLanes lanes;
         energy::TermLanes terms = energy::flatness_terms(0.0);
-        energy::Lanes energy;
-        evaluations_ += tets_.size();
-        for (std::size_t first = 0; first < tets_.size(); first += energy::kLanes) {
+        energy::ShapeLanes shape;
+        energy::SlopeLanes slopes;
+        for (std::size_t group = 0, first = begin; group < groups; ++group, first += energy::kLanes) {
             load(points_, tets_, first, lanes);
             for (int lane = 0; lane < energy::kLanes; ++lane)
                 terms.flatness[lane] = floors_[std::min(first + static_cast<std::size_t>(lane), tets_.size() - 1)];
-            energy::measure(lanes, cosines, shape_);
-            energy::penalize(shape_, form_, terms, energy, slopes_);
-            energy::differentiate(lanes, shape_, slopes_, cosines, gradient_);
-            const std::size_t count = std::min<std::size_t>(energy::kLanes, tets_.size() - first);
-            for (std::size_t lane = 0; lane < count; ++lane) {
-                const int l = static_cast<int>(lane);
-                if (!(energy[l] < std::numeric_limits<double>::infinity()))
-                    blocked_.insert(blocked_.end(), tets_[first + lane].begin(), tets_[first + lane].end());
-                sum += energy[l];
-                for (int k = 0; k < 4; ++k)
-                    gradient[tets_[first + lane][k]] +=
-                        {gradient_.corner[k][0][l], gradient_.corner[k][1][l], gradient_.corner[k][2][l]};
-            }
+            energy::measure(lanes, cosines, shape);
+            energy::penalize(shape, form_, terms, part.energy[group], slopes);
+            energy::differentiate(lanes, shape, slopes, cosines, part.gradient[group]);
         }
     }
 
@@ -246,13 +265,11 @@ class Objective {
     std::vector<Tet> tets_;
     std::vector<double> floors_;
     double reach_;
+    const Workers &workers_;
     energy::Field scaled_, next_; // where the points stand, and were tried last, in units of their sizes
     energy::Field points_;        // where they were tried last
     std::vector<int> blocked_;
     std::size_t evaluations_ = 0;
-    energy::ShapeLanes shape_;
-    energy::SlopeLanes slopes_;
-    energy::GradientLanes gradient_;
 };
 
 } // namespace
@@ -322,9 +339,10 @@ std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &c
 
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
-                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach) {
+                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach,
+                    const Workers &workers) {
     constexpr energy::LbfgsForm lbfgs{.memory = 8, .trials = 15, .shorter = 0.5, .worth = 1e-9, .failures = 2};
-    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties, reach);
+    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties, reach, workers);
     energy::LbfgsForm asked = lbfgs;
     asked.iterations = iterations;
     energy::descend(objective, asked);

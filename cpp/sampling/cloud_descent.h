@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/parallel.h"
 #include "energy/energy.h"
 #include "sampling/cloud.h"
 #include "sampling/restricted_delaunay.h"
@@ -34,6 +35,7 @@ std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &c
 /// number of tet evaluations.
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
-                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach);
+                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach,
+                    const Workers &workers);
 
 } // namespace wct::sampling

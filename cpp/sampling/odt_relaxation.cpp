@@ -45,35 +45,65 @@ Vec3 drawn_in_circumcenter(const Vec3 &p, const Vec3 &u, const Vec3 &v, const Ve
     return far > farthest * edge ? middle + (farthest * edge / far) * d : center;
 }
 
-Wishes wishes_of(const Cloud &cloud, const RestrictedDelaunay &complex) {
+/// What some tets and their facets on the surface wish of their corners.
+struct Part {
+    struct OfTet {
+        Vec3 center;
+        double weight; // negative: none
+    };
+    struct OfFacet {
+        Facet corners;
+        Vec3 center;
+        double weight;
+    };
+    std::vector<OfTet> tets;
+    std::vector<OfFacet> facets;
+};
+
+Part::OfTet wish_of_tet(const Cloud &cloud, const Tet &tet) {
+    const Vec3 &p = cloud.points[tet[0]];
+    const Vec3 u = cloud.points[tet[1]] - p;
+    const Vec3 v = cloud.points[tet[2]] - p;
+    const Vec3 w = cloud.points[tet[3]] - p;
+    const double det = dot(cross(u, v), w);
+    double size = 0.0;
+    for (const int k : tet)
+        size += 0.25 * cloud.size[k];
+    return {drawn_in_circumcenter(p, u, v, w, det), std::fabs(det) / (size * size)};
+}
+
+Part::OfFacet wish_of_facet(const Cloud &cloud, const Facet &f) {
     const auto &points = cloud.points;
-    Wishes out{std::vector<Mean>(points.size()), std::vector<Mean>(points.size())};
-    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
-        if (complex.region[t] < 0)
-            continue;
-        const auto &tet = complex.all.tets[t];
-        const Vec3 &p = points[tet[0]];
-        const Vec3 u = points[tet[1]] - p;
-        const Vec3 v = points[tet[2]] - p;
-        const Vec3 w = points[tet[3]] - p;
-        const double det = dot(cross(u, v), w);
-        const Vec3 center = drawn_in_circumcenter(p, u, v, w, det);
-        double size = 0.0;
-        for (const int k : tet)
-            size += 0.25 * cloud.size[k];
-        for (const int k : tet)
-            out.inner[k].add(center, std::fabs(det) / (size * size));
-        for (int i = 0; i < 4; ++i) {
-            if (!complex.on_surface(static_cast<int>(t), i))
-                continue;
-            const auto f = complex.facet(static_cast<int>(t), i);
-            const Vec3 n = cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]);
-            const double s = (cloud.size[f[0]] + cloud.size[f[1]] + cloud.size[f[2]]) / 3.0;
-            const Vec3 c = (1.0 / 3.0) * (points[f[0]] + points[f[1]] + points[f[2]]);
-            for (const int k : f)
-                out.outer[k].add(c, norm(n) / (s * s));
-        }
-    }
+    const Vec3 n = cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]);
+    const double s = (cloud.size[f[0]] + cloud.size[f[1]] + cloud.size[f[2]]) / 3.0;
+    return {f, (1.0 / 3.0) * (points[f[0]] + points[f[1]] + points[f[2]]), norm(n) / (s * s)};
+}
+
+Wishes wishes_of(const Cloud &cloud, const RestrictedDelaunay &complex, const Workers &workers) {
+    constexpr std::size_t chunk = 2048;
+    Wishes out{std::vector<Mean>(cloud.count()), std::vector<Mean>(cloud.count())};
+    workers.in_order<Part>(
+        complex.all.tets.size(), chunk,
+        [&](std::size_t begin, std::size_t end, Part &part) {
+            part.tets.clear();
+            part.facets.clear();
+            for (std::size_t t = begin; t < end; ++t) {
+                const bool inside = complex.region[t] >= 0;
+                part.tets.push_back(inside ? wish_of_tet(cloud, complex.all.tets[t]) : Part::OfTet{{}, -1.0});
+                for (int i = 0; inside && i < 4; ++i)
+                    if (complex.on_surface(static_cast<int>(t), i))
+                        part.facets.push_back(wish_of_facet(cloud, complex.facet(static_cast<int>(t), i)));
+            }
+        },
+        [&](std::size_t begin, std::size_t end, const Part &part) {
+            for (std::size_t t = begin; t < end; ++t)
+                if (const auto &[center, weight] = part.tets[t - begin]; !(weight < 0.0))
+                    for (const int k : complex.all.tets[t])
+                        out.inner[k].add(center, weight);
+            for (const auto &[corners, center, weight] : part.facets)
+                for (const int k : corners)
+                    out.outer[k].add(center, weight);
+        });
     return out;
 }
 
@@ -95,7 +125,7 @@ double moved(const Cloud &cloud, Stratum role) {
 double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double step,
              double momentum, const Workers &workers) {
     const auto &points = cloud.points;
-    const Wishes wishes = wishes_of(cloud, complex);
+    const Wishes wishes = wishes_of(cloud, complex, workers);
     const std::vector<Vec3> before = points;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Mean &mean = cloud.role[i] == Stratum::interior ? wishes.inner[i] : wishes.outer[i];

@@ -206,7 +206,7 @@ void RestrictedDelaunay::append_inside(std::vector<Tet> &tets, std::vector<int> 
 
 RestrictedDelaunay labelled_delaunay(const Cloud &cloud, const domain::RegionMap &map, const Workers &workers,
                                      const HeldSurface *held, delaunay::MovingDelaunay *moving) {
-    RestrictedDelaunay complex{moving ? moving->of(cloud.points) : delaunay::delaunay(cloud.points), {}, {}};
+    RestrictedDelaunay complex{moving ? moving->of(cloud.points, workers) : delaunay::delaunay(cloud.points), {}, {}};
     if (held)
         held->recover(cloud, complex.all);
     const auto &tets = complex.all.tets;
