@@ -137,7 +137,7 @@ class Objective {
     std::size_t evaluations() const { return evaluations_; }
 
   private:
-    static constexpr std::size_t kTogether = 512;  // tets that one thread measures together
+    static constexpr std::size_t kTogether = 512; // tets that one thread measures together
     static constexpr double kSteep = 0.5;
     static constexpr double kHeldBack = 0.25; // share of its step left to a point in whose way a tet is
 

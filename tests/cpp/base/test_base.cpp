@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -57,6 +58,34 @@ TEST_CASE("Workers: every item once whatever the threads, and of what is thrown 
             }
             CHECK(thrown == "19");
         }
+}
+
+TEST_CASE("Workers: what is taken in order adds up to the same bits whatever the threads") {
+    for (const std::size_t count : {0ul, 1ul, 64ul, 65ul, 5000ul}) {
+        double straight = 0.0;
+        for (std::size_t i = 0; i < count; ++i)
+            straight += std::sin(static_cast<double>(i));
+        for (const unsigned threads : {1u, 2u, 5u}) {
+            double sum = 0.0;
+            std::size_t next = 0;
+            Workers(threads).in_order<std::vector<double>>(
+                count, 64,
+                [](std::size_t first, std::size_t last, std::vector<double> &part) {
+                    part.clear();
+                    for (std::size_t i = first; i < last; ++i)
+                        part.push_back(std::sin(static_cast<double>(i)));
+                },
+                [&](std::size_t first, std::size_t last, const std::vector<double> &part) {
+                    CHECK(first == next);
+                    CHECK(part.size() == last - first);
+                    next = last;
+                    for (const double value : part)
+                        sum += value;
+                });
+            CHECK(next == count);
+            CHECK(sum == straight);
+        }
+    }
 }
 
 TEST_CASE("Monitor: stages add up, and a stop is for good") {
