@@ -158,7 +158,7 @@ Refilled descend(Filling &fill) {
         const std::vector<char> curved(fill.cloud.count(), 0);
         const std::size_t evaluations =
             sampling::descend(fill.cloud, fill.complex, direction, energy, sampling::EdgeForm{.weight = 0.0}, curved,
-                              sampling::FitForm{}, {}, options.iterations, options.reach, fill.workers);
+                              sampling::FitForm{}, {}, {options.iterations, options.reach}, fill.workers);
         fill.keeper.clear(fill.cloud);
         fill.monitor.work(evaluations, 0.5 + 0.5 * round / options.rounds);
     }

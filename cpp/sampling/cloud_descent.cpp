@@ -339,12 +339,11 @@ std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &c
 
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
-                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach,
-                    const Workers &workers) {
+                    const FitForm &fit, const std::vector<Tie> &ties, const Course &course, const Workers &workers) {
     constexpr energy::LbfgsForm lbfgs{.memory = 8, .trials = 15, .shorter = 0.5, .worth = 1e-9, .failures = 2};
-    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties, reach, workers);
+    Objective objective(cloud, complex, direction, form, edges, curved, fit, ties, course.reach, workers);
     energy::LbfgsForm asked = lbfgs;
-    asked.iterations = iterations;
+    asked.iterations = course.iterations;
     energy::descend(objective, asked);
     for (std::size_t i = 0; i < cloud.count(); ++i)
         if (cloud.held[i] < Hold::all) // not by a rounding

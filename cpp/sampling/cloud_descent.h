@@ -29,13 +29,17 @@ struct EdgeForm {
 std::vector<char> points_to_move(const Cloud &cloud, const RestrictedDelaunay &complex, energy::EnergyForm form,
                                  int rings);
 
+/// How far a descent goes: so many steps, none longer than `reach` times a point's size.
+struct Course {
+    int iterations;
+    double reach;
+};
+
 /// Lower the energy of all tets at once by L-BFGS, keeping the connectivity. Patch points move in the plane across
-/// `direction`, crease points along it, corners not at all; `curved` marks the points of curved patches and creases; no
-/// step is longer than `reach` times a point's size. Tets whose points are all held are not looked at. Returns the
-/// number of tet evaluations.
+/// `direction`, crease points along it, corners not at all; `curved` marks the points of curved patches and creases.
+/// Tets whose points are all held are not looked at. Returns the number of tet evaluations.
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
-                    const FitForm &fit, const std::vector<Tie> &ties, int iterations, double reach,
-                    const Workers &workers);
+                    const FitForm &fit, const std::vector<Tie> &ties, const Course &course, const Workers &workers);
 
 } // namespace wct::sampling

@@ -270,7 +270,7 @@ void Resampling::move_downhill(Cloud &cloud, const RestrictedDelaunay &complex, 
                 cloud.held[i] = Hold::all;
     }
     descend(cloud, complex, direction_, energy, EdgeForm{}, curved_points(cloud, reference, sizing_.sharp()), fit_,
-            ties, options.iterations, options.reach, workers);
+            ties, {options.iterations, options.reach}, workers);
     cloud.held = held_before;
 }
 

@@ -103,7 +103,7 @@ def test_a_cube(capfd: pytest.CaptureFixture[str], tmp_path: Path, scratch: Path
     assert (mesh.reference, mesh.source) == (CUBE, "box.stl")
     assert not mesh.repairs
     assert not len(mesh.facets)
-    assert len(mesh.topology._paired[1]) == len(mesh.topology.boundary)  # raises where three tets share a facet
+    assert len(mesh.topology.half_facets[1]) == len(mesh.topology.boundary)  # raises where three tets share a facet
     assert capfd.readouterr() == ("", "")
     assert os.listdir(tmp_path) == ["scratch"]
     assert_clean(scratch)

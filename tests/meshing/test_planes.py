@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.builders import kuhn_cube, sphere_surface
+from support.builders import kuhn_cube, rotation, sphere_surface
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.meshing.planes import precision, straightened, straightened_mesh
@@ -76,6 +76,33 @@ def test_the_faces_of_a_turned_cube_are_planes_again(write, seed):
     apart = np.linalg.norm(on.points - points, axis=1).max()
     assert apart <= 16 * exact
     assert count["moved"] == pytest.approx(apart / own.diagonal)
+
+
+@pytest.mark.parametrize("write", [single, lambda x: rounded(x, 6), lambda x: x + 1e-7 * np.sin(1e3 * x)])
+@pytest.mark.parametrize("size", [1.0, 3e-7, 4e4])
+def test_so_are_those_of_one_that_was_rounded_and_then_turned(write, size):
+    cube = kuhn_cube(3)
+    points = size * (write(turned(cube.points, 1)) @ rotation(2).T)
+    mesh = TetMesh(points, cube.tets)
+    own = own_boundary(mesh, 40.0)
+    assert precision(points) <= 2e-9 * size
+    straight, on, count = straightened_mesh(mesh, own, precision(points))
+    assert count["planes"] == count["patches"] == 6
+    assert off_planes(on.points, on).max() < 4 * np.finfo(float).eps * 3 * size
+    assert np.linalg.norm(on.points - points, axis=1).max() <= 4e-6 * size
+    assert np.array_equal(straight.points, on.points)
+
+
+def test_what_bends_by_more_than_rounding_stays_in_a_mesh_with_noise():
+    cube = kuhn_cube(8)
+    points = cube.points.copy()
+    top = points[:, 2] == 1.0
+    points[top, 2] += 1e-5 * np.sin(np.pi * points[top, 0]) * np.sin(np.pi * points[top, 1])
+    points = single(turned(points)) @ rotation(2).T
+    on, count = straightened(own_boundary(TetMesh(points, cube.tets), 40.0), precision(points))
+    assert count["planes"] == 5
+    middle = (np.abs(cube.points - [0.5, 0.5, 1.0]) < 0.3).all(axis=1) & top
+    assert np.array_equal(on.points[middle], points[middle])
 
 
 def test_planes_of_an_axis_get_one_coordinate_and_exact_ones_keep_theirs():

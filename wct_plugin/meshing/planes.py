@@ -16,6 +16,9 @@ from wct_plugin.types import Bools, Floats, Ints
 _NOISE = 1e-9
 #: Coarser coordinates than this fraction of the extent are no rounding: numbers such as 0.25 are meant.
 _COARSEST = 6e-6
+#: Patches this near to a plane, as a fraction of the extent, are planes with noise: single precision or six digits were
+#: in between, whatever digits there are now.
+_NOISY = 1e-6
 #: A patch is a plane where its vertices are within so many precisions of one: rounding three coordinates moves a point
 #: by up to sqrt(3), noise by some standard deviations.
 _WITHIN = 8.0
@@ -73,6 +76,10 @@ def _has_at_most(size: Floats, power: Floats, digits: int) -> Bools:
 def straightened(on: Reference, exact: float, pinned: Ints = _NONE) -> tuple[Reference, PlaneCount]:
     """The surface with the vertices of its planes on them, none moved by more than 16 times ``exact``, a length.
 
+    Where patches lie within 1e-6 of the extent of a plane, but not within rounding, half of the farthest that one of
+    their vertices is off takes the place of ``exact``, if it is more: coordinates that were rounded and then turned
+    have all digits and are no better for it.
+
     A patch is a plane where all its vertices are within 8 times ``exact`` of one; patches of one plane share it. Where
     that is within as much of a plane of one coordinate, all its vertices get that coordinate, the one most of them have
     already if there is one; so planes of an axis that are exact stay so, to the bit. Vertices of other planes go onto
@@ -80,6 +87,7 @@ def straightened(on: Reference, exact: float, pinned: Ints = _NONE) -> tuple[Ref
     are, but for coordinates of an axis, and planes go through them where they can; so do those that would go farther.
     ``pinned`` (k,) vertices stay, to the bit.
     """
+    exact = max(exact, _noise(on) / 2.0)
     found = _Planes(on, _WITHIN * exact)
     points = found.on_axes(on.points)
     points[pinned] = on.points[pinned]
@@ -98,6 +106,26 @@ def straightened(on: Reference, exact: float, pinned: Ints = _NONE) -> tuple[Ref
         "moved": float(np.linalg.norm(moved - on.points, axis=1).max(initial=0.0) / on.diagonal),
     }
     return replace(on, points=moved, flat=_WITHIN * exact), count
+
+
+def _noise(on: Reference) -> float:
+    """How far at most vertices are off the planes of those patches that are plane but for noise, a length."""
+    triangles, patch, count = on.strata.triangles, on.strata.patch, len(on.sides)
+    if not count:
+        return 0.0
+    across, corners = normals(on.points, triangles), on.points[triangles]
+    size = np.maximum(np.bincount(patch, minlength=count), 1)[:, None]
+    normal, middle = (
+        np.column_stack([np.bincount(patch, values, count) for values in each.T])
+        for each in (across, corners.mean(axis=1))
+    )
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
+    off = np.abs(np.einsum("tkx,tx->tk", corners - (middle / size)[patch][:, None], normal[patch])).max(axis=1)
+    farthest = np.zeros(count)
+    np.maximum.at(farthest, patch, off)
+    plane = (farthest <= _NOISY * float(np.ptp(on.points, axis=0).max())) & (length[:, 0] > 0.0)
+    return float(farthest[plane].max(initial=0.0))
 
 
 def straightened_mesh(mesh: TetMesh, own: Reference, exact: float) -> tuple[TetMesh, Reference, PlaneCount]:
