@@ -415,21 +415,34 @@ double Sizing::on_surface(const Foot &foot) const {
 }
 
 double Sizing::at(const Vec3 &p) const {
+    int triangle = -1;
+    return at(p, triangle);
+}
+
+double Sizing::at(const Vec3 &p, int &triangle) const {
     const auto &data = reference_.data();
-    const double most = form_.coarsen * input_size(p);
     const geometry::BoxTree &tree = reference_.tree();
     const double grade = form_.inner_grade;
+    const auto from = [&](std::size_t item) {
+        const auto &[a, b, c] = data.triangles[item];
+        const geometry::TrianglePoint q =
+            geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
+        return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
+               grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
+    };
+    double most = form_.coarsen * input_size(p);
+    if (triangle >= 0)
+        most = std::min(most, from(static_cast<std::size_t>(triangle)));
     return tree.minimise(
         most,
         [&](std::size_t node) {
             return std::max(least_[node], least_from_[node] + grade * std::sqrt(tree.box(node).square(p)));
         },
-        [&](std::size_t item, double) {
-            const auto &[a, b, c] = data.triangles[item];
-            const geometry::TrianglePoint q =
-                geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
-            return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
-                   grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
+        [&](std::size_t item, double best) {
+            const double size = from(item);
+            if (size < best)
+                triangle = static_cast<int>(item);
+            return size;
         });
 }
 

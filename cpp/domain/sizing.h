@@ -61,6 +61,9 @@ class Sizing {
            std::span<const double> wanted, const Workers &workers);
 
     double at(const Vec3 &p) const;
+    /// The same, quicker where `triangle` is the one that limited the size at a place near by; -1: not known. It
+    /// becomes the one that does so here.
+    double at(const Vec3 &p, int &triangle) const;
     double on_surface(const Foot &foot) const;
     double input_size(const Vec3 &p) const;
     double smallest() const { return smallest_; }

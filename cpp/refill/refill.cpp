@@ -18,11 +18,11 @@ namespace {
 /// The pinned points and a lattice between them.
 sampling::Cloud seeds(const PinnedFacets &facets, const domain::Reference &reference, const domain::InputMesh &mesh,
                       const domain::RegionMap &map, const domain::Sizing &sizing, const sampling::SeedForm &form,
-                      Random &random, Monitor &monitor) {
+                      Random &random, Monitor &monitor, const Workers &workers) {
     sampling::Cloud cloud;
     for (const int v : facets.points())
         cloud.add(mesh.points[v], Stratum::corner, v, sizing.at(mesh.points[v]));
-    sampling::seed_inside(cloud, reference, map, sizing, form, {}, random, monitor);
+    sampling::seed_inside(cloud, reference, map, sizing, form, {}, random, monitor, workers);
     if (monitor.stopped())
         return cloud;
     std::vector<char> open(cloud.count(), 1);
@@ -95,8 +95,8 @@ bool seed(Filling &fill, std::span<const double> wanted) {
     if (!choose_sizes(fill, sizes, wanted))
         return false;
     for (int k = 0; k < tries; ++k) {
-        fill.cloud =
-            seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random, fill.monitor);
+        fill.cloud = seeds(fill.facets, fill.reference, fill.mesh, fill.map, *fill.sizing, options.seeds, random,
+                           fill.monitor, fill.workers);
         if (fill.monitor.stopped())
             return false;
         fill.keeper.clear(fill.cloud);

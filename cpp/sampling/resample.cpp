@@ -61,7 +61,11 @@ bool are_mostly_inside(const Cloud &cloud) {
 }
 
 void refresh_sizes(Cloud &cloud, const domain::Sizing &sizing, const Workers &workers) {
-    workers.for_each(cloud.count(), 256, [&](std::size_t i) { cloud.size[i] = sizing.at(cloud.points[i]); });
+    workers.for_chunks(cloud.count(), 256, [&](std::size_t first, std::size_t last) {
+        int hint = -1;
+        for (std::size_t i = first; i < last; ++i)
+            cloud.size[i] = sizing.at(cloud.points[i], hint);
+    });
 }
 
 /// Points of tets that fitting the surface has turned over go back to where they were.

@@ -40,6 +40,6 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
 /// The lattice alone, of the scale that the sizes of the cloud's points ask for; new points keep off the surface.
 void seed_inside(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
                  const domain::Sizing &sizing, const SeedForm &form, const std::optional<PartialRenewal> &renewal,
-                 Random &random, Monitor &monitor);
+                 Random &random, Monitor &monitor, const Workers &workers);
 
 } // namespace wct::sampling
