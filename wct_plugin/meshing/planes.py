@@ -76,9 +76,9 @@ def _has_at_most(size: Floats, power: Floats, digits: int) -> Bools:
 def straightened(on: Reference, exact: float, pinned: Ints = _NONE) -> tuple[Reference, PlaneCount]:
     """The surface with the vertices of its planes on them, none moved by more than 16 times ``exact``, a length.
 
-    Where patches lie within 1e-6 of the extent of a plane, but not within rounding, half of the farthest that one of
-    their vertices is off takes the place of ``exact``, if it is more: coordinates that were rounded and then turned
-    have all digits and are no better for it.
+    Where patches lie within 1e-6 of the extent of a plane, but not within 8 times ``exact``, half of the farthest that
+    one of their vertices is off takes the place of ``exact``: coordinates that were rounded and then turned have all
+    digits and are no better for it.
 
     A patch is a plane where all its vertices are within 8 times ``exact`` of one; patches of one plane share it. Where
     that is within as much of a plane of one coordinate, all its vertices get that coordinate, the one most of them have
@@ -87,7 +87,7 @@ def straightened(on: Reference, exact: float, pinned: Ints = _NONE) -> tuple[Ref
     are, but for coordinates of an axis, and planes go through them where they can; so do those that would go farther.
     ``pinned`` (k,) vertices stay, to the bit.
     """
-    exact = max(exact, _noise(on) / 2.0)
+    exact = max(exact, _noise(on, _WITHIN * exact) / 2.0)
     found = _Planes(on, _WITHIN * exact)
     points = found.on_axes(on.points)
     points[pinned] = on.points[pinned]
@@ -108,8 +108,11 @@ def straightened(on: Reference, exact: float, pinned: Ints = _NONE) -> tuple[Ref
     return replace(on, points=moved, flat=_WITHIN * exact), count
 
 
-def _noise(on: Reference) -> float:
-    """How far at most vertices are off the planes of those patches that are plane but for noise, a length."""
+def _noise(on: Reference, rounding: float) -> float:
+    """How far at most vertices are off the planes of patches that are plane but for noise, a length.
+
+    0 where none is off by more than ``rounding``, a length.
+    """
     triangles, patch, count = on.strata.triangles, on.strata.patch, len(on.sides)
     if not count:
         return 0.0
@@ -124,8 +127,9 @@ def _noise(on: Reference) -> float:
     off = np.abs(np.einsum("tkx,tx->tk", corners - (middle / size)[patch][:, None], normal[patch])).max(axis=1)
     farthest = np.zeros(count)
     np.maximum.at(farthest, patch, off)
-    plane = (farthest <= _NOISY * float(np.ptp(on.points, axis=0).max())) & (length[:, 0] > 0.0)
-    return float(farthest[plane].max(initial=0.0))
+    most = _NOISY * float(np.ptp(on.points, axis=0).max())
+    noisy = (farthest > rounding) & (farthest <= most) & (length[:, 0] > 0.0)
+    return float(farthest[noisy].max(initial=0.0))
 
 
 def straightened_mesh(mesh: TetMesh, own: Reference, exact: float) -> tuple[TetMesh, Reference, PlaneCount]:
