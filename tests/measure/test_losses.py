@@ -40,6 +40,22 @@ def test_the_same_mesh_loses_nothing():
     assert losses(mesh, mesh) == []
 
 
+def test_a_wire_that_left_its_place():
+    old = kuhn_cube(4)
+    wire = np.array([[int(np.flatnonzero((old.points == [x, 0.5, 0.5]).all(axis=1))[0]) for x in (0.25, 0.5)]])
+    moved = old.points.copy()
+    moved[wire, 1] += 0.01
+    one, other = (TetMesh(points, old.tets, edges=Cells(wire, np.array([4]))) for points in (old.points, moved))
+    (loss,) = losses(one, other)
+    assert loss["kind"] == "deviation"
+    assert loss["name"] == "tagged edges inside"
+    assert loss["after"] == pytest.approx(0.01 / np.sqrt(3.0))
+    assert (
+        loss["text"] == "tagged edges inside are 5.77e-03 of the diagonal from the old ones; the tolerance is 1.00e-03"
+    )
+    assert losses(one, other, tolerance=6e-3) == []
+
+
 def test_pairs_of_periodic_sides_that_match_no_more():
     mesh = kuhn_cube(2)
     assert losses(mesh, mesh, sides={"before": 3, "after": 3}) == []

@@ -7,6 +7,7 @@ import numpy as np
 
 from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.deviation import measure_deviation
+from wct_plugin.measure.inner_deviation import measure_inner_deviation
 from wct_plugin.measure.quantities import Quantity, quantity
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.named_groups import tag_names
@@ -18,6 +19,7 @@ class Fidelity(TypedDict):
 
     deviation: dict[str, float]  #: of the boundary from the reference
     interfaces: dict[str, dict[str, float] | None]  #: "1|2" -> of that interface from the old one; None: it is lost
+    inside: dict[str, float]  #: of sheets and wires from the old ones, by kind, where both meshes have them
     volumes: dict[str, Quantity]  #: by region tag, before on the surface that was followed
 
 
@@ -37,6 +39,7 @@ def measure_fidelity(
             name: measure_deviation(after[name], one, compiled=True).to_dict(diagonal) if name in after else None
             for name, one in before.items()
         },
+        "inside": {} if new is old else measure_inner_deviation(old, new, diagonal),
         "volumes": measure_volumes(old, new, enclosed or {}),
     }
 
@@ -55,6 +58,8 @@ def label(tags: str, names: Mapping[str, str]) -> str:
 def beyond(found: Fidelity, allowed: float, names: Mapping[str, str]) -> dict[str, str]:
     """What is farther off than ``allowed``, a fraction of the diagonal, in words: by interface, "" for the boundary.
 
+    Sheets and wires by what they are called in ``found["inside"]``.
+
     ``names``: of regions, by tag.
     """
     parts = {}
@@ -67,6 +72,9 @@ def beyond(found: Fidelity, allowed: float, names: Mapping[str, str]) -> dict[st
             parts[name] = f"the interface {label(name, names)} is lost"
         elif (far := apart["fraction_of_diagonal"]) > allowed:
             parts[name] = f"the interface {label(name, names)} is {far:.2e} of the diagonal from the old one"
+    for name, far in found["inside"].items():
+        if far > allowed:
+            parts[name] = f"{name} are {far:.2e} of the diagonal from the old ones"
     return parts
 
 

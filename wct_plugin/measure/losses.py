@@ -21,7 +21,7 @@ class Loss(TypedDict):
     """Something that was to be kept: ``before``, ``after`` and the greatest or smallest ``allowed``, in its unit."""
 
     kind: str  #: deviation, interface, volume, group, sharp edges, creases, topology, periodic
-    name: str  #: region, group or interface; empty for the whole
+    name: str  #: region, group, interface or what is inside; empty for the whole
     before: float
     after: float
     allowed: float
@@ -49,8 +49,9 @@ def find_losses(
     far = {"": kept["deviation"]["fraction_of_diagonal"]} | {
         name: one["fraction_of_diagonal"] if one else float("inf") for name, one in kept["interfaces"].items()
     }
+    far |= kept["inside"]
     for name, phrase in beyond(kept, allowed, names).items():
-        kind = "interface" if name else "deviation"
+        kind = "interface" if name in kept["interfaces"] else "deviation"
         out.append(_loss(kind, name, 0.0, far[name], allowed, f"{phrase}; the tolerance is {allowed:.2e}"))
     out += find_changes(kept["volumes"], groups, names)
     if sharp and sharp["after"] > sharp["allowed"] and not allow_released:

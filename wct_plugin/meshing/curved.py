@@ -114,6 +114,7 @@ class CurvedDomain:
                 else None
                 for name in straight["interfaces"]
             },
+            "inside": straight["inside"],
             "volumes": {
                 tag: quantity(
                     *(
