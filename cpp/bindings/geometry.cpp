@@ -1,3 +1,4 @@
+#include "base/disjoint_sets.h"
 #include "base/facet_uses.h"
 #include "bindings/bindings.h"
 #include "bindings/domain.h"
@@ -11,9 +12,12 @@
 #include <nanobind/stl/optional.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace nb = nanobind;
@@ -102,6 +106,56 @@ nb::tuple facet_arrays(const Array &tets, std::size_t points) {
     return nb::make_tuple(array_of<std::int64_t>(order), array_of<bool>(same));
 }
 
+/// Half-facets that face each other, and those that face nothing; whether three or more tets share a facet.
+nb::tuple facet_pair_arrays(const Array &tets, std::size_t points) {
+    const auto cells = cells_of<4>(tets, points, "tets");
+    std::vector<std::array<std::int32_t, 2>> pairs;
+    std::vector<std::int32_t> single;
+    bool crowded = false;
+    {
+        nb::gil_scoped_release release;
+        std::vector<std::int32_t> facing(4 * cells.size(), -1);
+        FacetUses(cells, points).each([&](const Facet &, std::span<const FacetUses::Use> uses) {
+            crowded = crowded || uses.size() > 2;
+            if (uses.size() == 2) {
+                facing[uses[0].half] = uses[1].half;
+                facing[uses[1].half] = uses[0].half;
+            }
+        });
+        for (std::int32_t half = 0; half < static_cast<std::int32_t>(facing.size()); ++half)
+            if (facing[half] < 0)
+                single.push_back(half);
+            else if (half < facing[half])
+                pairs.push_back({half, facing[half]});
+    }
+    return nb::make_tuple(array_of<std::int64_t>(pairs), array_of<std::int64_t>(single), crowded);
+}
+
+/// Numbers of the sets that links join, in the order of their least members.
+nb::object component_array(const Array &rows_of, const Array &columns, std::size_t count) {
+    const auto one = rows<std::int64_t>(rows_of, 0, "rows");
+    const auto other = rows<std::int64_t>(columns, 0, "columns");
+    expect_length(other.size(), one.size(), "columns");
+    for (const auto ends : {one, other})
+        for (const std::int64_t end : ends)
+            if (end < 0 || end >= static_cast<std::int64_t>(count))
+                refuse("a link ends at " + std::to_string(end) + "; there are " + std::to_string(count) + " nodes");
+    std::vector<std::int32_t> out(count);
+    {
+        nb::gil_scoped_release release;
+        DisjointSets sets(count);
+        for (std::size_t k = 0; k < one.size(); ++k)
+            sets.join(static_cast<int>(one[k]), static_cast<int>(other[k]));
+        std::vector<std::int32_t> number(count, -1);
+        std::int32_t next = 0;
+        for (std::size_t node = 0; node < count; ++node) {
+            std::int32_t &here = number[sets.find(static_cast<int>(node))];
+            out[node] = here = here < 0 ? next++ : here;
+        }
+    }
+    return array_of<std::int64_t>(out);
+}
+
 /// Edges, and those of each tet.
 nb::tuple edge_arrays(const Array &tets, std::size_t points) {
     const auto cells = cells_of<4>(tets, points, "tets");
@@ -156,6 +210,19 @@ The edges of a tet are those of its corners 01, 02, 03, 12, 13 and 23.)");
                 "numpy.typing.NDArray[numpy.int64])"
                 " -> numpy.typing.NDArray[numpy.int64]"),
         R"(Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets.)");
+    m.def("facet_pairs", &facet_pair_arrays, nb::arg("tets"), nb::arg("points"),
+          nb::sig("def facet_pairs(tets: numpy.typing.NDArray[numpy.int64], points: int)"
+                  " -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], bool]"),
+          R"(Half-facets, 4 times a tet of ``tets`` (m, 4) and the corner opposite, that face each other (p, 2).
+
+The first is the smaller, and the pairs ascend by it. Then those (b,), ascending, that face nothing, and whether any
+facet belongs to three tets or more; its half-facets are among the latter.)");
+    m.def("components", &component_array, nb::arg("rows"), nb::arg("columns"), nb::arg("count"),
+          nb::sig("def components(rows: numpy.typing.NDArray[numpy.int64], columns: numpy.typing.NDArray[numpy.int64], "
+                  "count: int) -> numpy.typing.NDArray[numpy.int64]"),
+          R"(Number (count,) of each node's component, where links ``rows[k]`` - ``columns[k]`` (k,) join two nodes.
+
+Components are numbered from 0 in the order of their first nodes.)");
     m.def("facet_order", &facet_arrays, nb::arg("tets"), nb::arg("points"),
           nb::sig("def facet_order(tets: numpy.typing.NDArray[numpy.int64], points: int)"
                   " -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.bool_]]"),

@@ -87,8 +87,7 @@ def _one_sided(mesh: TetMesh) -> Ints:
 def _parity(triangles: Ints) -> Bools:
     """Whether an even permutation sorts a row of three."""
     a, b, c = triangles.T
-    even: Bools = ((a < b).astype(np.int8) + (b < c) + (c < a)) == 2
-    return even
+    return ~((a > b) ^ (a > c) ^ (b > c))  # an even number of inversions
 
 
 # --- boundary facets that cross -------------------------------------------------------------------------------------

@@ -121,6 +121,21 @@ def euler_characteristics(tets: numpy.typing.NDArray[numpy.int64], region: numpy
     Euler characteristic (regions,) of ``tets`` (m, 4) by ``region`` (m,): vertices - edges + facets - tets.
     """
 
+def facet_pairs(tets: numpy.typing.NDArray[numpy.int64], points: int) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], bool]:
+    """
+    Half-facets, 4 times a tet of ``tets`` (m, 4) and the corner opposite, that face each other (p, 2).
+
+    The first is the smaller, and the pairs ascend by it. Then those (b,), ascending, that face nothing, and whether any
+    facet belongs to three tets or more; its half-facets are among the latter.
+    """
+
+def components(rows: numpy.typing.NDArray[numpy.int64], columns: numpy.typing.NDArray[numpy.int64], count: int) -> numpy.typing.NDArray[numpy.int64]:
+    """
+    Number (count,) of each node's component, where links ``rows[k]`` - ``columns[k]`` (k,) join two nodes.
+
+    Components are numbered from 0 in the order of their first nodes.
+    """
+
 def facet_order(tets: numpy.typing.NDArray[numpy.int64], points: int) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.bool_]]:
     """
     Half-facets (4 m,), 4 times a tet of ``tets`` (m, 4) and the corner opposite, by their ascending corners.

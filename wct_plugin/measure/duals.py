@@ -260,9 +260,10 @@ def _encroached(mesh: TetMesh, lengths: Floats, errors: Floats) -> Bools:
 
 def _squared_lengths(mesh: TetMesh) -> Floats:
     """(e,) of the edges."""
-    start, end = mesh.topology.edges.T
-    vectors = mesh.points[end] - mesh.points[start]
-    squares: Floats = np.einsum("ei,ei->e", vectors, vectors)
+    start, end = np.ascontiguousarray(mesh.topology.edges.T)
+    squares = np.zeros(len(start))
+    for values in np.ascontiguousarray(mesh.points.T):  # axis by axis: a third of the time
+        squares += np.square(values[end] - values[start])
     return squares
 
 

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from wct_plugin.core import _core
 from wct_plugin.types import Bools, Floats, Ints
 
 
 def components(rows: Ints, columns: Ints, count: int) -> Ints:
-    """(count,) a number per node, from 0, equal where links ``rows[k]`` - ``columns[k]`` join two nodes."""
-    from scipy.sparse import coo_array  # here: it takes longer to import than all else that reading a mesh needs
-    from scipy.sparse.csgraph import connected_components
+    """(count,) a number per node, from 0, equal where links ``rows[k]`` - ``columns[k]`` join two nodes.
 
-    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64) if count else np.empty(0, dtype=np.int64)
+    In the order of the components' first nodes.
+    """
+    return _core.components(np.ascontiguousarray(rows), np.ascontiguousarray(columns), count)
 
 
 def masks(sets: Mapping[str, Ints], count: int) -> dict[str, Bools]:

@@ -35,19 +35,13 @@ class Topology:
         Returns ``pairs`` (p, 2), the first the smaller, and ``single`` (b,), ascending.
         Raises :class:`wct_plugin.errors.InputError` where three or more tets share a facet.
         """
-        order, same = _core.facet_order(self._tets, self._count)
-        crowd = _crowds(self._tets, order, same)
-        if len(crowd):
-            a, b, c, *tets = crowd[0].tolist()
+        pairs, single, crowded = _core.facet_pairs(self._tets, self._count)
+        if crowded:
+            a, b, c, *tets = crowded_facets(self._tets, self._count)[0].tolist()
             raise NoMeshError(
                 f"facet ({a}, {b}, {c}) belongs to tets {tets[0]}, {tets[1]} and {tets[2]}; at most two may share one"
             )
-        facing = np.full(len(order), -1, dtype=np.int64)
-        facing[order[:-1][same]] = order[1:][same]
-        first = np.flatnonzero(facing >= 0)
-        pairs = np.column_stack([first, facing[first]])
-        facing[pairs[:, 1]] = 0
-        return pairs, np.flatnonzero(facing < 0)
+        return pairs, single
 
     @cached_property
     def adjacency(self) -> Ints:
