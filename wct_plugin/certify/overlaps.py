@@ -87,7 +87,8 @@ def _one_sided(mesh: TetMesh) -> Ints:
 def _parity(triangles: Ints) -> Bools:
     """Whether an even permutation sorts a row of three."""
     a, b, c = triangles.T
-    return ~((a > b) ^ (a > c) ^ (b > c))  # an even number of inversions
+    even: Bools = ~((a > b) ^ (a > c) ^ (b > c))  # the number of inversions
+    return even
 
 
 # --- boundary facets that cross -------------------------------------------------------------------------------------

@@ -22,8 +22,8 @@ def measure_inner_deviation(old: TetMesh, new: TetMesh, diagonal: float) -> dict
     out = {}
     before, after = _sheets(old), _sheets(new)
     if len(before) and len(after):
-        sheets = (SurfaceMesh(mesh.points, facets) for mesh, facets in ((new, after), (old, before)))
-        out["tagged facets inside"] = float(measure_deviation(*sheets, compiled=True).max / diagonal)
+        sheet, was = SurfaceMesh(new.points, after), SurfaceMesh(old.points, before)
+        out["tagged facets inside"] = float(measure_deviation(sheet, was, compiled=True).max / diagonal)
     before, after = _wires(old), _wires(new)
     if len(before) and len(after):
         one, other = ((mesh.points / diagonal)[edges] for mesh, edges in ((old, before), (new, after)))

@@ -22,9 +22,9 @@ def stray_circumcenters(mesh: TetMesh) -> Bools:
     points, tets, adjacency = unit_scaling.normalized(mesh.points), mesh.tets, mesh.topology.adjacency
     beyond_facet, flat = np.empty((2, len(tets)), dtype=bool)
     for start in range(0, len(tets), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        heights, errors = compiled_quality.heights(points, tets[part])
-        beyond_facet[part], flat[part] = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
+        block = slice(start, start + _BLOCK)
+        heights, errors = compiled_quality.heights(points, tets[block])
+        beyond_facet[block], flat[block] = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
     walking = np.flatnonzero(beyond_facet | flat)
     starts = points[tets[walking]].mean(axis=1)
     ways = quality.circumcenters(points, tets[walking]) - starts
