@@ -123,7 +123,7 @@ bool Mending::move(std::span<const Vec3> points, const Workers &workers) {
             return false;
         points_[v] = p;
     }
-    constexpr std::size_t chunk = 4096;
+    constexpr std::size_t chunk = 1024;
     turned_.assign(tets_.size(), 0);
     stamp_.assign(tets_.size(), 0);
     now_ = 0;

@@ -63,7 +63,7 @@ TEST_CASE("MovingDelaunay: points that move a little, inside, on faces and at ra
         delaunay::MovingDelaunay moving;
         Random random(5);
         for (int step = 0; step < 8; ++step) {
-            check(moving.of(points), points);
+            check(moving.of(points, Workers(3)), points);
             for (Vec3 &p : points) {
                 if (random.uniform() > 0.1)
                     continue;
