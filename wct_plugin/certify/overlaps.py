@@ -35,9 +35,6 @@ from wct_plugin.mesh.topology import FACETS
 from wct_plugin.mesh.triangle_surfaces import surface_edges
 from wct_plugin.types import Bools, Floats, Ints
 
-#: Facets that are looked at together, so that checks take little memory beside the mesh.
-_BLOCK = 1 << 20
-
 
 @dataclass(frozen=True, eq=False)
 class Overlaps:
@@ -75,20 +72,19 @@ class _Judge:
 
 def _one_sided(mesh: TetMesh) -> Ints:
     """The outward orientations of a facet in its two tets differ where those lie on opposite sides."""
-    found = []
-    pairs = mesh.topology.interior_pairs
-    for start in range(0, len(pairs) + 1, _BLOCK):
-        part = pairs[start : start + _BLOCK]
-        one, other = (mesh.tets[part[:, [k]], FACETS[part[:, k + 1]]] for k in (0, 2))
-        found.append(part[_parity(one) == _parity(other)][:, [0, 2]])
-    return np.concatenate(found)
+    odd = _odd_facets(mesh.tets)
+    pairs, _ = mesh.topology.half_facets
+    alike: Ints = pairs[odd[pairs[:, 0]] == odd[pairs[:, 1]]] // 4
+    return alike
 
 
-def _parity(triangles: Ints) -> Bools:
-    """Whether an even permutation sorts a row of three."""
-    a, b, c = triangles.T
-    even: Bools = ~((a > b) ^ (a > c) ^ (b > c))  # the number of inversions
-    return even
+def _odd_facets(tets: Ints) -> Bools:
+    """(4 m,) whether an odd permutation sorts the corners of facet ``FACETS[i]`` of a tet, at 4 times the tet + i."""
+    corners = np.ascontiguousarray(tets.T)
+    odd = np.empty((len(tets), 4), dtype=bool)
+    for i, (a, b, c) in enumerate(corners[facet] for facet in FACETS):
+        odd[:, i] = (a > b) ^ (a > c) ^ (b > c)  # the number of inversions
+    return odd.reshape(-1)
 
 
 # --- boundary facets that cross -------------------------------------------------------------------------------------
