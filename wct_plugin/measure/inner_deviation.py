@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from wct_plugin.core import _core
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
@@ -9,8 +10,6 @@ from wct_plugin.types import Bools, Floats, Ints
 
 #: Samples per segment: its ends, and as many parts between.
 _PARTS = 8
-#: Distances between samples and segments that are worked out together.
-_BLOCK = 1 << 20
 
 
 def measure_inner_deviation(old: TetMesh, new: TetMesh, diagonal: float) -> dict[str, float]:
@@ -58,13 +57,6 @@ def _farthest(segments: Floats, others: Floats) -> float:
     """The largest distance of a sample of segments (k, 2, 3) from other ones (m, 2, 3)."""
     share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None, None]
     samples = (segments[:, 0] + share * (segments[:, 1] - segments[:, 0])).reshape(-1, 3)
-    start, along = others[:, 0], others[:, 1] - others[:, 0]
-    square = np.maximum(np.einsum("mi,mi->m", along, along), np.finfo(float).tiny)
-    worst = 0.0
-    step = max(_BLOCK // len(others), 1)
-    for first in range(0, len(samples), step):
-        gap = samples[first : first + step, None] - start
-        part = np.clip(np.einsum("kmi,mi->km", gap, along) / square, 0.0, 1.0)
-        gap -= part[..., None] * along
-        worst = max(worst, float(np.einsum("kmi,kmi->km", gap, gap).min(axis=1).max()))
-    return float(np.sqrt(worst))
+    thin = np.arange(2 * len(others)).reshape(-1, 2)[:, [0, 1, 1]]  # a segment is a triangle with one corner twice
+    _, _, distances = _core.closest_points(others.reshape(-1, 3), thin, samples)
+    return float(distances.max())
