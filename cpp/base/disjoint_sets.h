@@ -25,6 +25,19 @@ class DisjointSets {
         return groups;
     }
 
+    /// Per number that of its set; sets are numbered in the order of their least members.
+    std::vector<int> numbers() {
+        std::vector<int> number(root_.size(), -1), out(root_.size());
+        int next = 0;
+        for (std::size_t k = 0; k < root_.size(); ++k) {
+            int &of = number[find(static_cast<int>(k))];
+            if (of < 0)
+                of = next++;
+            out[k] = of;
+        }
+        return out;
+    }
+
   private:
     std::vector<int> root_;
 };

@@ -140,18 +140,13 @@ nb::object component_array(const Array &rows_of, const Array &columns, std::size
         for (const std::int64_t end : ends)
             if (end < 0 || end >= static_cast<std::int64_t>(count))
                 refuse("a link ends at " + std::to_string(end) + "; there are " + std::to_string(count) + " nodes");
-    std::vector<std::int32_t> out(count);
+    std::vector<int> out;
     {
         nb::gil_scoped_release release;
         DisjointSets sets(count);
         for (std::size_t k = 0; k < one.size(); ++k)
             sets.join(static_cast<int>(one[k]), static_cast<int>(other[k]));
-        std::vector<std::int32_t> number(count, -1);
-        std::int32_t next = 0;
-        for (std::size_t node = 0; node < count; ++node) {
-            std::int32_t &here = number[sets.find(static_cast<int>(node))];
-            out[node] = here = here < 0 ? next++ : here;
-        }
+        out = sets.numbers();
     }
     return array_of<std::int64_t>(out);
 }

@@ -1,5 +1,6 @@
 #include "library/crease_noise.h"
 
+#include "base/disjoint_sets.h"
 #include "base/sort_unique.h"
 #include "library/edge_chains.h"
 
@@ -137,7 +138,7 @@ std::vector<int> patches_between(const geometry::TriangleEdges &edges, std::span
     for (std::size_t e = 0; e < edges.count(); ++e)
         if (edges.paired(e) && !crease[e])
             patches.join(edges.first(e), edges.last(e));
-    return numbered(patches, triangles);
+    return patches.numbers();
 }
 
 } // namespace wct::library

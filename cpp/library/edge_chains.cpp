@@ -1,5 +1,7 @@
 #include "library/edge_chains.h"
 
+#include "base/disjoint_sets.h"
+
 #include <numbers>
 
 namespace wct::library {
@@ -18,25 +20,13 @@ SegmentEnds::SegmentEnds(std::span<const Edge> segments, std::size_t points)
             at_[v][degree_[v]++ > 0] = static_cast<int>(s);
 }
 
-std::vector<int> numbered(DisjointSets &sets, std::size_t count) {
-    std::vector<int> number(count, -1), out(count);
-    int next = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-        int &of = number[sets.find(static_cast<int>(k))];
-        if (of < 0)
-            of = next++;
-        out[k] = of;
-    }
-    return out;
-}
-
 std::vector<int> chains_of(std::span<const Edge> segments, std::span<const std::uint8_t> breaks) {
     const SegmentEnds ends(segments, breaks.size());
     DisjointSets chains(segments.size());
     for (std::size_t v = 0; v < breaks.size(); ++v)
         if (ends.degree(static_cast<int>(v)) == 2 && !breaks[v])
             chains.join(ends.at(static_cast<int>(v))[0], ends.at(static_cast<int>(v))[1]);
-    return numbered(chains, segments.size());
+    return chains.numbers();
 }
 
 std::vector<std::uint8_t> ends_and_turns(std::span<const Vec3> points, std::span<const Edge> segments) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "base/cells.h"
-#include "base/disjoint_sets.h"
 #include "base/vec3.h"
 
 #include <cstdint>
@@ -23,9 +22,6 @@ class SegmentEnds {
     std::vector<int> degree_;
     std::vector<std::array<int, 2>> at_;
 };
-
-/// Numbers from 0, in the order of the first member of each set.
-std::vector<int> numbered(DisjointSets &sets, std::size_t count);
 
 /// Per segment the number of its chain: two that meet at a point with no other segment, and no break, are in one.
 std::vector<int> chains_of(std::span<const Edge> segments, std::span<const std::uint8_t> breaks);

@@ -17,8 +17,6 @@ constexpr double kDivisorBound = 10.0 * kEps;
 /// What underflow may take.
 constexpr double kFloor = 1e-300;
 constexpr std::size_t kChunk = 4096;
-/// Tets whose parts of edges are held at a time, before they are added up in the order of the tets.
-constexpr std::size_t kBlock = 1 << 16;
 
 /// The edge of facet i, as kOutward has it, opposite its corner k, at 3 i + k.
 constexpr std::array<int, 12> opposite_edges() {
@@ -142,14 +140,14 @@ void edge_sums(const std::vector<Vec3> &points, const std::vector<Tet> &tets, co
     struct Part {
         std::array<double, 6> sum{}, doubt{};
     };
-    std::vector<Part> parts(std::min(tets.size(), kBlock));
     std::fill(sums.begin(), sums.end(), 0.0);
     std::fill(doubts.begin(), doubts.end(), 0.0);
-    for (std::size_t block = 0; block < tets.size(); block += kBlock) {
-        const std::size_t count = std::min(kBlock, tets.size() - block);
-        workers.for_chunks(count, kChunk, [&](std::size_t begin, std::size_t end) {
-            each_dual(cube, tets, block + begin, block + end, [&](std::size_t t, const DualLanes &found, int lane) {
-                Part part;
+    workers.in_order<std::vector<Part>>(
+        tets.size(), kChunk,
+        [&](std::size_t begin, std::size_t end, std::vector<Part> &parts) {
+            parts.assign(end - begin, {});
+            each_dual(cube, tets, begin, end, [&](std::size_t t, const DualLanes &found, int lane) {
+                Part &part = parts[t - begin];
                 const std::array<int, 12> &columns = kAngleColumns[found.base[lane]];
                 for (int i = 0; i < 4; ++i) {
                     auto [height, error] = height_of(found, lane, i, cube.exponent);
@@ -168,15 +166,15 @@ void edge_sums(const std::vector<Vec3> &points, const std::vector<Tet> &tets, co
                 }
                 for (double &doubt : part.doubt)
                     doubt = std::isnan(doubt) ? kInfinity : doubt;
-                parts[t - block] = part;
             });
+        },
+        [&](std::size_t begin, std::size_t end, const std::vector<Part> &parts) {
+            for (std::size_t t = begin; t < end; ++t)
+                for (int e = 0; e < 6; ++e) {
+                    sums[tet_edges[t][e]] += parts[t - begin].sum[e];
+                    doubts[tet_edges[t][e]] += parts[t - begin].doubt[e];
+                }
         });
-        for (std::size_t t = 0; t < count; ++t)
-            for (int e = 0; e < 6; ++e) {
-                sums[tet_edges[block + t][e]] += parts[t].sum[e];
-                doubts[tet_edges[block + t][e]] += parts[t].doubt[e];
-            }
-    }
 }
 
 void unsigned_volumes(const std::vector<Vec3> &points, const std::vector<Tet> &tets, std::span<double> out,

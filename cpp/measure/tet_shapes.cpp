@@ -35,6 +35,22 @@ struct QualityLanes {
     std::array<std::int32_t, kLanes> base;
 };
 
+/// Some angles of a tet, each given by its cosine and sine times a positive factor of its own.
+struct Angles {
+    double least = std::numeric_limits<double>::infinity(); // cotangent
+    double most = -std::numeric_limits<double>::infinity(); // cotangent
+    double least_dot = std::numeric_limits<double>::infinity();
+    double odd = 0.0; // else where a cotangent is infinite or no number
+
+    WCT_INLINE void add(double dot, double sine) {
+        const double cotangent = dot / sine;
+        least = smaller(least, cotangent);
+        most = larger(most, cotangent);
+        least_dot = smaller(least_dot, dot);
+        odd += cotangent * 0.0;
+    }
+};
+
 WCT_MULTIVERSION void quality_of(const CornerLanes &x, QualityLanes &out) {
     for (int l = 0; l < kLanes; ++l) {
         const Shape s(x.corner(0, l), x.corner(1, l), x.corner(2, l), x.corner(3, l));
@@ -45,37 +61,20 @@ WCT_MULTIVERSION void quality_of(const CornerLanes &x, QualityLanes &out) {
         out.height[3][l] = s.p3 / (s.a3 * size);
         const double longest = larger(larger(larger(s.s01, s.s02), larger(s.s03, s.s12)), larger(s.s13, s.s23));
         const double shortest = smaller(smaller(smaller(s.s01, s.s02), smaller(s.s03, s.s12)), smaller(s.s13, s.s23));
-        double low = std::numeric_limits<double>::infinity();
-        double high = -low;
-        double dot = low;
-        double odd = 0.0;
-        each_face_dot(s, [&](int, double area, double value) {
-            const double cotangent = value / area;
-            low = smaller(low, cotangent);
-            high = larger(high, cotangent);
-            dot = smaller(dot, value);
-            odd += cotangent * 0.0;
-        });
-        out.least_face[l] = low;
-        out.most_face[l] = high;
-        out.sure[1][l] = dot / (kAngleBound * longest + kFloor);
-        low = std::numeric_limits<double>::infinity();
-        high = -low;
-        dot = low;
+        Angles faces;
+        each_face_dot(s, [&](int, double area, double value) { faces.add(value, area); });
+        Angles dihedrals;
         const double det = std::fabs(s.det);
-        each_dihedral_dot(s, [&](int, double square, double value) {
-            const double cotangent = value / (det * std::sqrt(square));
-            low = smaller(low, cotangent);
-            high = larger(high, cotangent);
-            dot = smaller(dot, value);
-            odd += cotangent * 0.0;
-        });
-        out.least_dihedral[l] = low;
-        out.most_dihedral[l] = high;
-        out.sure[2][l] = dot / (kDihedralBound * longest * longest + kFloor);
+        each_dihedral_dot(s, [&](int, double square, double value) { dihedrals.add(value, det * std::sqrt(square)); });
+        out.least_face[l] = faces.least;
+        out.most_face[l] = faces.most;
+        out.least_dihedral[l] = dihedrals.least;
+        out.most_dihedral[l] = dihedrals.most;
+        out.sure[1][l] = faces.least_dot / (kAngleBound * longest + kFloor);
+        out.sure[2][l] = dihedrals.least_dot / (kDihedralBound * longest * longest + kFloor);
         out.sure[0][l] =
             smaller(smaller(s.p0, s.p1), smaller(s.p2, s.p3)) / (kHeightBound * longest * longest * longest + kFloor);
-        out.undefined[l] = odd;
+        out.undefined[l] = faces.odd + dihedrals.odd;
         out.ratio[l] = s.radius() / std::sqrt(shortest);
         out.volume[l] = s.det / 6.0;
         out.base[l] = s.base;
@@ -233,23 +232,26 @@ std::vector<std::int64_t> dihedral_counts(const std::vector<Vec3> &points, const
                                           std::span<const double> bins, const Workers &workers) {
     const UnitCube cube(points);
     std::vector<std::int64_t> out(bins.size() - 1);
-    std::mutex guard;
-    workers.for_chunks(tets.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-        std::vector<std::int64_t> counts(out.size());
-        AngleLanes found;
-        for (std::size_t first = begin; first < end; first += kLanes) {
-            dihedral_angles_of(CornerLanes(cube.points, tets, first), found);
-            for (std::size_t l = 0; l < std::min(end - first, std::size_t{kLanes}); ++l)
-                for (int k = 0; k < 6; ++k) {
-                    const double angle = std::atan2(found.sine[k][l], found.cosine[k][l]) * (180.0 / std::numbers::pi);
-                    const auto bin = std::upper_bound(bins.begin(), bins.end(), angle) - bins.begin() - 1;
-                    ++counts[std::clamp<std::ptrdiff_t>(bin, 0, static_cast<std::ptrdiff_t>(counts.size()) - 1)];
-                }
-        }
-        const std::lock_guard lock(guard);
-        for (std::size_t k = 0; k < out.size(); ++k)
-            out[k] += counts[k];
-    });
+    workers.in_order<std::vector<std::int64_t>>(
+        tets.size(), kChunk,
+        [&](std::size_t begin, std::size_t end, std::vector<std::int64_t> &counts) {
+            counts.assign(out.size(), 0);
+            AngleLanes found;
+            for (std::size_t first = begin; first < end; first += kLanes) {
+                dihedral_angles_of(CornerLanes(cube.points, tets, first), found);
+                for (std::size_t l = 0; l < std::min(end - first, std::size_t{kLanes}); ++l)
+                    for (int k = 0; k < 6; ++k) {
+                        const double angle =
+                            std::atan2(found.sine[k][l], found.cosine[k][l]) * (180.0 / std::numbers::pi);
+                        const auto bin = std::upper_bound(bins.begin(), bins.end(), angle) - bins.begin() - 1;
+                        ++counts[std::clamp<std::ptrdiff_t>(bin, 0, static_cast<std::ptrdiff_t>(counts.size()) - 1)];
+                    }
+            }
+        },
+        [&](std::size_t, std::size_t, const std::vector<std::int64_t> &counts) {
+            for (std::size_t k = 0; k < out.size(); ++k)
+                out[k] += counts[k];
+        });
     return out;
 }
 

@@ -3,22 +3,14 @@
 import numpy as np
 import pytest
 from support.builders import ball, bcc, jittered_cube, kuhn_cube, rotation, single
+from support.measures import MEASURES
 
 from wct_plugin.core import _core
 from wct_plugin.measure import compiled_quality, duals, quality
 from wct_plugin.mesh import TetMesh, unit_scaling
 from wct_plugin.mesh.topology import OPPOSITE_EDGES
 
-NUMBERS = (
-    "min_height",
-    "max_height",
-    "min_face_angle",
-    "max_face_angle",
-    "min_dihedral_angle",
-    "max_dihedral_angle",
-    "radius_over_edge",
-    "volume",
-)
+NUMBERS = (*MEASURES, "volume")
 FLAGS = ("well_centered_3", "well_centered_2", "acute")
 
 

@@ -7,21 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.builders import ball, bcc, jittered_cube, kuhn_cube, regular_tet, rotation, single
+from support.measures import MEASURES
 from support.printed import PAPER_TETS
 
 from wct_plugin.measure import quality
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import EDGES, FACETS
-
-MEASURES = (
-    "min_height",
-    "max_height",
-    "min_face_angle",
-    "max_face_angle",
-    "min_dihedral_angle",
-    "max_dihedral_angle",
-    "radius_over_edge",
-)
 
 
 def exact_flags(points: np.ndarray) -> tuple[bool, bool, bool]:

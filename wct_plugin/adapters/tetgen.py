@@ -13,7 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wct_plugin.adapters import child_process, tetgen_programs
 from wct_plugin.adapters.option_ranges import check_at_least, check_between, check_limit
@@ -21,7 +20,7 @@ from wct_plugin.adapters.solid_surface import check_thick, flat_pieces, in_cavit
 from wct_plugin.errors import InputError, NeighbourError, OptionError, WctWarning
 from wct_plugin.exact import predicates
 from wct_plugin.mesh import Cells, SurfaceMesh, TetMesh
-from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.index_arrays import among
 from wct_plugin.mesh.mesh import show_row
 from wct_plugin.mesh.triangle_surfaces import areas
 from wct_plugin.types import Floats, Ints
@@ -333,7 +332,7 @@ def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
     """
     found, regions = np.unique(mesh.regions, return_inverse=True)
     mesh = replace(mesh, regions=regions.ravel() + 1 if len(found) > 1 else np.zeros_like(mesh.regions))
-    outside = _among(mesh.facets.vertices, mesh.topology.boundary, len(mesh.points))
+    outside = among(mesh.facets.vertices, mesh.topology.boundary, len(mesh.points))
     outer = np.isin(pieces, mesh.facets.tags[outside])
     reference = surface
     if not outer.all():
@@ -341,10 +340,5 @@ def _tidied(mesh: TetMesh, surface: SurfaceMesh, pieces: Ints) -> TetMesh:
     tags = surface.tags[np.unique(pieces, return_index=True)[1]][mesh.facets.tags]
     facets = Cells(mesh.facets.vertices, tags)
     if not tags.any():  # then those are left out that say nothing the tets do not say
-        facets = facets.select(~outside & ~_among(facets.vertices, mesh.topology.interfaces, len(mesh.points)))
+        facets = facets.select(~outside & ~among(facets.vertices, mesh.topology.interfaces, len(mesh.points)))
     return mesh.altered(facets=facets, reference=reference)
-
-
-def _among(triangles: Ints, others: Ints, count: int) -> NDArray[np.bool_]:
-    """(k,) which ``triangles`` (k, 3) are in ``others`` (j, 3), in any order of their ``count`` vertices."""
-    return find_rows(np.sort(others, axis=1), np.sort(triangles, axis=1), count) >= 0

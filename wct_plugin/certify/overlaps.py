@@ -220,10 +220,8 @@ def _covered(mesh: TetMesh, judge: _Judge) -> Ints:
 def _reaching(mesh: TetMesh, low: Floats, high: Floats) -> Ints:
     """(k,) the tets whose boxes have a point in common with one box, from ``low`` (3,) to ``high`` (3,)."""
     beyond = np.zeros(len(mesh.points), dtype=np.uint8)  # a bit for each side of the box that a point is beyond
-    for axis, values in enumerate(mesh.points.T):
-        beyond |= (values < low[axis]).astype(np.uint8) << (2 * axis) | (values > high[axis]).astype(np.uint8) << (
-            2 * axis + 1
-        )
+    for bit, side in enumerate([*(mesh.points < low).T, *(mesh.points > high).T]):
+        beyond |= side.astype(np.uint8) << bit
     one, two, three, four = (beyond[corner] for corner in mesh.tets.T)
     return np.flatnonzero((one & two & three & four) == 0)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wct_plugin.errors import InputError, NoMeshError
 from wct_plugin.io.corners import CurvedEdges
 from wct_plugin.mesh import Cells, TetMesh, cell_kinds, faults, second_order
-from wct_plugin.mesh.index_arrays import find_rows
+from wct_plugin.mesh.index_arrays import among
 from wct_plugin.mesh.mesh import check_range
 from wct_plugin.mesh.other_cells import OtherCells, facets_at, find_contact
 from wct_plugin.mesh.repair import mend
@@ -125,8 +125,8 @@ def _others(parts: Parts) -> OtherCells:
         theirs[parts.cells[kind].vertices] = True
     cells = {kind: parts.cells.pop(kind) for kind in parts.others}
     for kind, held in (
-        ("triangle", lambda rows: _among(facets_at(tets, theirs), rows, count)),
-        ("line", lambda rows: _among(tets[:, EDGES].reshape(-1, 2), rows, count)),
+        ("triangle", lambda rows: among(rows, facets_at(tets, theirs), count)),
+        ("line", lambda rows: among(rows, tets[:, EDGES].reshape(-1, 2), count)),
         ("vertex", lambda rows: ours[rows[:, 0]]),
     ):
         given = parts.cells[kind]
@@ -159,11 +159,6 @@ def _keep_points(parts: Parts, keep: Bools) -> None:
     parts.point_sets = {
         name: place[ids[keep[ids]]] for name, ids in parts.point_sets.items() if keep[ids].any() or not len(ids)
     }
-
-
-def _among(rows: Ints, wanted: Ints, count: int) -> Bools:
-    found: Bools = find_rows(np.sort(rows, axis=1), np.sort(wanted, axis=1), count) >= 0
-    return found
 
 
 def _said_of(mesh: TetMesh, others: OtherCells) -> list[str]:

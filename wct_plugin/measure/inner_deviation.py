@@ -5,8 +5,10 @@ import numpy as np
 from wct_plugin.core import _core
 from wct_plugin.measure.deviation import measure_deviation
 from wct_plugin.mesh import SurfaceMesh, TetMesh
-from wct_plugin.mesh.index_arrays import find_rows
-from wct_plugin.types import Bools, Floats, Ints
+from wct_plugin.mesh.index_arrays import among
+from wct_plugin.mesh.strata import tagged_inside
+from wct_plugin.mesh.triangle_surfaces import SIDES
+from wct_plugin.types import Floats, Ints
 
 #: Samples per segment: its ends, and as many parts between.
 _PARTS = 8
@@ -19,38 +21,23 @@ def measure_inner_deviation(old: TetMesh, new: TetMesh, diagonal: float) -> dict
     region, wires edges of no facet of a surface or sheet.
     """
     out = {}
-    before, after = _sheets(old), _sheets(new)
+    (before, _), (after, _) = tagged_inside(old), tagged_inside(new)
     if len(before) and len(after):
         sheet, was = SurfaceMesh(new.points, after), SurfaceMesh(old.points, before)
         out["tagged facets inside"] = float(measure_deviation(sheet, was, compiled=True).max / diagonal)
-    before, after = _wires(old), _wires(new)
+    before, after = _wires(old, before), _wires(new, after)
     if len(before) and len(after):
         one, other = ((mesh.points / diagonal)[edges] for mesh, edges in ((old, before), (new, after)))
         out["tagged edges inside"] = max(_farthest(one, other), _farthest(other, one))
     return out
 
 
-def _sheets(mesh: TetMesh) -> Ints:
-    """(k, 3) the tagged facets that are no interface and not on the boundary."""
-    surface = np.concatenate([mesh.topology.boundary, mesh.topology.interfaces])
-    facets: Ints = mesh.facets.vertices[~_among(mesh.facets.vertices, surface, len(mesh.points))]
-    return facets
-
-
-def _wires(mesh: TetMesh) -> Ints:
-    """(k, 2) the tagged edges of no facet of the boundary, of an interface or that is tagged."""
-    facets = np.concatenate([mesh.topology.boundary, mesh.topology.interfaces, mesh.facets.vertices])
-    sides = facets[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    edges: Ints = mesh.edges.vertices[~_among(mesh.edges.vertices, sides, len(mesh.points))]
+def _wires(mesh: TetMesh, sheets: Ints) -> Ints:
+    """(k, 2) the tagged edges of no facet of the boundary, of an interface or of ``sheets`` (s, 3)."""
+    facets = np.concatenate([mesh.topology.boundary, mesh.topology.interfaces, sheets])
+    sides = facets[:, SIDES].reshape(-1, 2)
+    edges: Ints = mesh.edges.vertices[~among(mesh.edges.vertices, sides, len(mesh.points))]
     return edges
-
-
-def _among(rows: Ints, others: Ints, count: int) -> Bools:
-    """Which rows of vertices, in whatever order, are among the others."""
-    if not len(rows) or not len(others):
-        return np.zeros(len(rows), dtype=bool)
-    found: Bools = find_rows(np.sort(others, axis=1), np.sort(rows, axis=1), count) >= 0
-    return found
 
 
 def _farthest(segments: Floats, others: Floats) -> float:

@@ -47,6 +47,12 @@ def find_rows(rows: Ints, wanted: Ints, count: int) -> Ints:
     return np.where(table[order[at]] == needles, order[at], -1)
 
 
+def among(cells: Ints, others: Ints, count: int) -> Bools:
+    """(k,) which ``cells`` (k, d) are in ``others`` (j, d), in any order of their vertices, below ``count``."""
+    found: Bools = find_rows(np.sort(others, axis=1), np.sort(cells, axis=1), count) >= 0
+    return found
+
+
 def distinct_rows(rows: Ints) -> Ints:
     """(k,) a number per row, equal where rows are equal."""
     return np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)

@@ -132,16 +132,18 @@ class Topology:
     @cached_property
     def facet_edges(self) -> Ints:
         """(f, 3) the row of :attr:`edges` opposite each corner of a row of :attr:`facets`."""
-        half = np.concatenate([self.interior_pairs[:, :2], self.boundary_half_facets])
-        edges: Ints = self.tet_edges[half[:, :1], OPPOSITE_EDGES.reshape(4, 3)[half[:, 1]]]
+        return self._edges_of(np.concatenate([self.interior_pairs[:, :2], self.boundary_half_facets]))
+
+    def _edges_of(self, half_facets: Ints) -> Ints:
+        """(k, 3) the row of :attr:`edges` opposite each corner, by rows of tet and local facet."""
+        edges: Ints = self.tet_edges[half_facets[:, :1], OPPOSITE_EDGES.reshape(4, 3)[half_facets[:, 1]]]
         return edges
 
     @cached_property
     def boundary_edges(self) -> Bools:
         """(e,) mask of the edges on the boundary."""
-        half = self.boundary_half_facets
         out = np.zeros(len(self.edges), dtype=bool)
-        out[self.tet_edges[half[:, :1], OPPOSITE_EDGES.reshape(4, 3)[half[:, 1]]]] = True
+        out[self._edges_of(self.boundary_half_facets)] = True
         return out
 
     @cached_property

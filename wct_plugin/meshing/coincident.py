@@ -19,7 +19,7 @@ from wct_plugin.errors import OptionError, WctWarning
 from wct_plugin.measure.conserved import CHANGE
 from wct_plugin.mesh import Cells, TetMesh, unit_scaling
 from wct_plugin.mesh.coincident_points import places
-from wct_plugin.mesh.index_arrays import components, distinct_rows, find_rows
+from wct_plugin.mesh.index_arrays import among, components, distinct_rows, find_rows
 from wct_plugin.mesh.topology import FACETS
 from wct_plugin.mesh.triangle_surfaces import areas, normals
 from wct_plugin.meshing.cut_cells import copied_edges, copied_nodes, copies, repeated, together
@@ -133,7 +133,7 @@ class Zipped:
         inner = topology.interior_pairs
         if not len(rows):
             return whole.tets, np.arange(count), inner[:0]
-        cut = find_rows(np.sort(rows, axis=1), np.sort(topology.triangles_of(inner[:, :2]), axis=1), count) >= 0
+        cut = among(topology.triangles_of(inner[:, :2]), rows, count)
         halves = self._sided(whole, inner[cut])
         zipped = np.zeros(count, dtype=bool)
         zipped[rows] = True
