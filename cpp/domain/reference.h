@@ -70,6 +70,8 @@ class Reference {
     double ray_start() const { return 1e-6 * diagonal_; }
     int patches() const { return static_cast<int>(planar_.size()); }
     bool planar(int patch) const { return planar_[patch]; }
+    /// The region behind a patch's triangles and the one before, -1 is outside.
+    const std::array<int, 2> &sides(int patch) const { return data_.sides[patch]; }
     /// Whether the patch lies inside a region.
     bool sheet(int patch) const { return data_.sides[patch][0] >= 0 && data_.sides[patch][0] == data_.sides[patch][1]; }
     /// Whether no curved patch is beside the curve, as round a flat contact or sheet, and along a wire: its own corners

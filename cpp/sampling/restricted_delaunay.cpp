@@ -53,6 +53,16 @@ bool reaches_along(const Cloud &cloud, const domain::Reference &reference, const
     });
 }
 
+/// Whether a tet of this region has a corner on a patch of others, as one that lies on the rim where they meet.
+bool is_astray(const Cloud &cloud, const domain::Reference &reference, const Tet &tet, int region) {
+    return std::any_of(tet.begin(), tet.end(), [&](int v) {
+        if (cloud.role[v] != Stratum::patch)
+            return false;
+        const auto &[behind, before] = reference.sides(cloud.label[v]);
+        return region != behind && region != before;
+    });
+}
+
 /// Of a tet on curved patches, the facets whose corners share none: bits by the corner opposite. On the boundary they
 /// hide a crease, as a rim where the regions on a smooth side meet.
 unsigned hiding_facets(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {
@@ -66,11 +76,13 @@ unsigned hiding_facets(const Cloud &cloud, const domain::Reference &reference, c
 }
 
 /// Take slivers off curved patches from outside: either two of the facets are on the boundary, and the two others take
-/// over, or one is, and the point under it that should be on the surface comes to light.
+/// over, or one is, and the point under it that should be on the surface comes to light. Tets that are astray go where
+/// two or more facets are on the boundary.
 void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDelaunay &complex) {
     struct Candidate {
         int tet;
         unsigned hiding; // the only facets that may be on the boundary, two of them; 0: any
+        bool astray;
     };
     std::vector<Candidate> candidates;
     std::vector<int> open(cloud.count(), 0); // per point: its facets on the boundary
@@ -89,13 +101,15 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
             continue;
         if (flatness(cloud.points, tet) < kSliver &&
             (share_curved_patch(cloud, reference, tet) || reaches_along(cloud, reference, tet)))
-            candidates.push_back({t, 0});
+            candidates.push_back({t, 0, false});
+        else if (is_astray(cloud, reference, tet, complex.region[t]))
+            candidates.push_back({t, 0, true});
         else if (const unsigned hiding = hiding_facets(cloud, reference, tet); std::popcount(hiding) > 1)
-            candidates.push_back({t, hiding});
+            candidates.push_back({t, hiding, false});
     }
     for (bool again = true; again;) { // tets that were covered may lie open now
         again = false;
-        for (auto &[t, hiding] : candidates) {
+        for (auto &[t, hiding, astray] : candidates) {
             int outside = 0, facet = -1;
             unsigned bits = 0;
             for (int i = 0; i < 4; ++i)
@@ -105,6 +119,8 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
                     bits |= 1u << i;
                 }
             if (hiding && (outside != 2 || (bits & ~hiding)))
+                continue;
+            if (astray && outside < 2)
                 continue;
             if (outside == 0 || (outside == 1 && open[complex.all.tets[t][facet]] > 0))
                 continue;
