@@ -203,10 +203,13 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     adopt(sharp_form(options_.acute));
     const auto bearable = [this](int bad) { return options_.hurry ? hurried(bad) : patience(bad); };
     const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", bearable) && report("kicks", 1.0);
-    if (good)
+    SurfaceBalance balance(complex_, energy_, guide_, descent_, options_.volumes);
+    if (good) {
+        balance.keep_areas_roughly();
         widen_margins(progress);
+    }
     if (good || outcome_.stopped || !options_.hurry) // else more is to come
-        SurfaceBalance(complex_, energy_, guide_, descent_, options_.volumes).run();
+        balance.run();
     adopt(sharp_form(options_.acute));
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());

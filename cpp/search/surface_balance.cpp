@@ -1,5 +1,7 @@
 #include "search/surface_balance.h"
 
+#include "base/sort_unique.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,6 @@ namespace {
 constexpr int kSweeps = 10;
 constexpr int kSmooth = 4;         // sweeps
 constexpr double kBalanced = 0.01; // of the tolerance
-constexpr double kKept = 1e-4;     // of an area or volume
 
 double volume_of(const TetComplex &complex, const Tet &tet) {
     return six_volumes(complex.point(tet[0]), complex.point(tet[1]), complex.point(tet[2]), complex.point(tet[3])) /
@@ -20,7 +21,7 @@ double volume_of(const TetComplex &complex, const Tet &tet) {
 void SurfaceBalance::run() {
     smooth();
     even_out();
-    keep_areas();
+    keep_areas(kKept);
     if (!volumes_.empty())
         keep_volumes();
 }
@@ -98,8 +99,8 @@ Vec3 SurfaceBalance::area_gradient(int v, int patch) const {
     return sum;
 }
 
-void SurfaceBalance::keep_areas() {
-    std::vector<std::vector<int>> rims(guide_.patches()); // vertices of curved creases beside planar patches
+std::vector<std::vector<int>> SurfaceBalance::curved_rims() const {
+    std::vector<std::vector<int>> rims(guide_.patches());
     std::vector<TetComplex::SurfaceAt> around;
     for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
         const int v = static_cast<int>(k);
@@ -111,22 +112,35 @@ void SurfaceBalance::keep_areas() {
             if (guide_.planar(facet->patch) && (rims[facet->patch].empty() || rims[facet->patch].back() != v))
                 rims[facet->patch].push_back(v);
     }
+    return rims;
+}
+
+std::vector<double> SurfaceBalance::missing_areas() const {
+    std::vector<double> missing(guide_.patches(), 0.0);
+    for (std::size_t patch = 0; patch < missing.size(); ++patch)
+        missing[patch] = guide_.area(static_cast<int>(patch));
+    for (const auto &[key, patch] : complex_.sorted_surface())
+        missing[patch] -= 0.5 * norm(normal_of(complex_.corners(key)));
+    return missing;
+}
+
+void SurfaceBalance::keep_areas(double share) {
+    const std::vector<std::vector<int>> rims = curved_rims();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        std::vector<double> missing(guide_.patches(), 0.0);
-        for (std::size_t patch = 0; patch < missing.size(); ++patch)
-            missing[patch] = guide_.area(static_cast<int>(patch));
-        for (const auto &[key, patch] : complex_.sorted_surface())
-            missing[patch] -= 0.5 * norm(normal_of(complex_.corners(key)));
+        const std::vector<double> missing = missing_areas();
         bool any = false;
         for (std::size_t p = 0; p < rims.size(); ++p) {
             const int patch = static_cast<int>(p);
-            if (rims[p].empty() || std::abs(missing[p]) <= kKept * guide_.area(patch))
+            if (rims[p].empty() || std::abs(missing[p]) <= share * guide_.area(patch))
                 continue;
+            const bool much = std::abs(missing[p]) > kMuch * guide_.area(patch);
             double length = 0.0;
             for (const int v : rims[p])
                 length += norm(area_gradient(v, patch));
-            for (const int v : rims[p])
-                any |= move(v, complex_.point(v) + (missing[p] / length) * unit(area_gradient(v, patch)));
+            for (const int v : rims[p]) {
+                const Vec3 to = complex_.point(v) + (missing[p] / length) * unit(area_gradient(v, patch));
+                any |= much ? move_with_room(v, to) : move(v, to);
+            }
         }
         if (!any)
             return;
@@ -193,13 +207,22 @@ std::vector<double> SurfaceBalance::offsets() {
     return sum;
 }
 
-SurfaceBalance::Short SurfaceBalance::short_around(int v) const {
+SurfaceBalance::Short SurfaceBalance::count_short(std::span<const int> tets) const {
     Short found;
-    for (int t : complex_.star(v)) {
+    for (const int t : tets) {
         found.of_margin += energy_.bad(complex_.energy(t));
         found.of_goal += energy_.misses_goal(complex_.energy(t));
     }
     return found;
+}
+
+std::vector<int> SurfaceBalance::tets_near(int v) const {
+    std::vector<int> tets;
+    for (const int t : complex_.star(v))
+        for (const int w : complex_.tet(t))
+            tets.insert(tets.end(), complex_.star(w).begin(), complex_.star(w).end());
+    sort_unique(tets);
+    return tets;
 }
 
 bool SurfaceBalance::shift(int v, double by) {
@@ -207,17 +230,43 @@ bool SurfaceBalance::shift(int v, double by) {
 }
 
 bool SurfaceBalance::move(int v, const Vec3 &x) {
-    const Short before = short_around(v);
+    const Short before = count_short(complex_.star(v));
     complex_.mark();
-    if (descent_.nudge(v, x)) {
-        const Short after = short_around(v);
-        if (after.of_margin <= before.of_margin && after.of_goal <= before.of_goal) {
-            complex_.commit();
-            return true;
-        }
+    if (descent_.nudge(v, x) && !before.fewer_than(count_short(complex_.star(v)))) {
+        complex_.commit();
+        return true;
     }
     complex_.rollback();
     return false;
+}
+
+bool SurfaceBalance::move_with_room(int v, const Vec3 &x) {
+    constexpr int rounds = 3;
+    const std::vector<int> tets = tets_near(v); // no other's shape changes
+    const Short before = count_short(tets);
+    complex_.mark();
+    bool stays = !descent_.nudge(v, x);
+    for (int round = 0; !stays && before.fewer_than(count_short(tets)); ++round)
+        stays = round == rounds || !relax_beside(v);
+    if (stays)
+        complex_.rollback();
+    else
+        complex_.commit();
+    return !stays;
+}
+
+bool SurfaceBalance::relax_beside(int v) {
+    constexpr int steps = 6;
+    std::vector<int> beside;
+    for (const int t : complex_.star(v))
+        for (const int w : complex_.tet(t))
+            if (w != v && complex_.vertex(w).stratum != Stratum::crease)
+                beside.push_back(w);
+    sort_unique(beside);
+    bool any = false;
+    for (const int w : beside)
+        any |= descent_.relax(w, steps);
+    return any;
 }
 
 } // namespace wct::search

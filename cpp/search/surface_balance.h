@@ -20,28 +20,46 @@ class SurfaceBalance {
         : complex_(complex), energy_(energy), guide_(guide), descent_(descent), volumes_(volumes) {}
 
     void run();
+    /// Only what planes with curved rims miss of their areas, where that is much: while nothing but the goal itself is
+    /// asked for, more vertices can move.
+    void keep_areas_roughly() { keep_areas(kMuch); }
 
   private:
+    static constexpr double kMuch = 1e-3; // of an area: for more than that the mesh beside makes room
+    static constexpr double kKept = 1e-4; // of an area or volume
+
     /// Each vertex of a curved patch half-way to the mean height of its neighbours, as none is higher for the surface's
     /// sake.
     void smooth();
     /// The facets of a patch as far before it as behind, in the mean.
     void even_out();
-    void keep_areas();
+    /// To this share of each.
+    void keep_areas(double share);
+    /// Per planar patch what it misses of its area.
+    std::vector<double> missing_areas() const;
+    /// Per planar patch the vertices of its curved creases.
+    std::vector<std::vector<int>> curved_rims() const;
     void keep_volumes();
     /// Mean signed distance of the facets from each curved patch, in front of its triangles positive.
     std::vector<double> offsets();
     /// Move v to x, if nothing speaks against it.
     bool move(int v, const Vec3 &x);
+    /// The same, where vertices beside it may make room for it, other than those of creases.
+    bool move_with_room(int v, const Vec3 &x);
+    /// Let those beside v descend; true if any moved.
+    bool relax_beside(int v);
     bool shift(int v, double by);
     bool shift_patches(const std::vector<double> &by);
     /// How the area of a planar patch changes when v, on its rim, moves in its plane.
     Vec3 area_gradient(int v, int patch) const;
-    /// Tets at v that are short of the margin asked for, and those of them that miss the goal itself.
+    /// Of some tets, those that are short of the margin asked for, and those of them that miss the goal itself.
     struct Short {
         int of_margin = 0, of_goal = 0;
+        bool fewer_than(const Short &other) const { return of_margin < other.of_margin || of_goal < other.of_goal; }
     };
-    Short short_around(int v) const;
+    Short count_short(std::span<const int> tets) const;
+    /// The tets at v and at its neighbours.
+    std::vector<int> tets_near(int v) const;
 
     TetComplex &complex_;
     const SearchEnergy &energy_;

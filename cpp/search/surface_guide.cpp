@@ -19,6 +19,9 @@ constexpr double kShell = 0.97;
 constexpr double kTube = 0.5;
 /// Of creases beside a plane, in it: chords of a rim keep its area where their ends stand out.
 constexpr double kRim = 0.9;
+/// The same where the plane goes on to nothing but parts a curved side, as an interface: no more, as vertices that all
+/// stand out so far, with chords as far in, leave its area no way back.
+constexpr double kParting = 0.7;
 constexpr geometry::NearAlong kAlong = {0.975, 0.985};
 constexpr double kInside = 0.93;
 /// Cosine of the greatest angle between a facet and the surface at its middle.
@@ -130,14 +133,14 @@ void SurfaceGuide::make_curves(const Surface &surface) {
     const auto &[points, triangles, patch, segments, curve, flat, local] = surface;
     const int curves = curve.empty() ? 0 : *std::max_element(curve.begin(), curve.end()) + 1;
     std::map<Edge, std::set<int>> planes; // planar patches at each edge
-    std::set<Edge> curved;                // edges of the others
+    std::map<Edge, int> curved;           // facets of the others at each edge
     for (std::size_t k = 0; k < triangles.size(); ++k)
         for (int i = 0; i < 3; ++i) {
             const Edge edge = sorted(triangles[k][i], triangles[k][(i + 1) % 3]);
             if (patches_[patch[k]].planar)
                 planes[edge].insert(patch[k]);
             else
-                curved.insert(edge);
+                ++curved[edge];
         }
     std::vector<std::vector<Edge>> of_curve(curves);
     for (std::size_t k = 0; k < segments.size(); ++k)
@@ -146,7 +149,7 @@ void SurfaceGuide::make_curves(const Surface &surface) {
         std::vector<std::array<Vec3, 2>> pieces;
         for (const Edge &s : members)
             pieces.push_back({points[s[0]], points[s[1]]});
-        Curve one{geometry::PieceTree<2>(std::move(pieces)), false, false, {}, {}, {}, 0.0};
+        Curve one{geometry::PieceTree<2>(std::move(pieces)), false, false, false, {}, {}, {}, 0.0};
         one.tolerance = least_of(surface, members, tolerance_);
         Vec3 far = {};
         double extent = 0.0, off = 0.0;
@@ -170,6 +173,10 @@ void SurfaceGuide::make_curves(const Surface &surface) {
                        geometry::is_flat(off, extent, flat);
         one.bare = !one.straight && std::none_of(members.begin(), members.end(),
                                                  [&](const Edge &s) { return curved.contains(sorted(s[0], s[1])); });
+        one.parting = !members.empty() && std::all_of(members.begin(), members.end(), [&](const Edge &s) {
+            const auto at = curved.find(sorted(s[0], s[1]));
+            return at != curved.end() && at->second > 1;
+        });
         if (!shared.empty()) // a curved line has one plane
             one.plane = patches_[*shared.begin()].plane;
         curves_.push_back(std::move(one));
@@ -247,7 +254,7 @@ Freedom SurfaceGuide::admit_on(const Curve &curve, Vec3 &x, std::int32_t &hint) 
         return {};
     }
     x = curve.plane->nearest(x);
-    clamp(curve.tree, kRim * curve.tolerance, x, hint);
+    clamp(curve.tree, (curve.parting ? kParting : kRim) * curve.tolerance, x, hint);
     return {Freedom::Kind::plane, curve.plane->normal()};
 }
 

@@ -131,6 +131,7 @@ class SurfaceGuide {
         geometry::PieceTree<2> tree;
         bool straight = false;
         bool bare = false;
+        bool parting = false; // between two facets of curved patches, all along
         Vec3 direction, origin;
         std::optional<geometry::Plane> plane; // of the planar patch at the curve
         double tolerance = 0.0;               // the least along it

@@ -7,7 +7,7 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.triangle_surfaces import areas, normals
 from wct_plugin.meshing.reference import Reference
-from wct_plugin.types import Floats
+from wct_plugin.types import Bools, Floats
 
 #: A patch is planar where the sum of its facets as vectors is as long as their areas together, but for so much.
 _PLANAR = 1.0 - 1e-6
@@ -32,29 +32,33 @@ def enclosed_volumes(on: Reference) -> dict[str, float]:
 
 def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
     """By group of tagged facets, its area on the surface that is followed over that on the mesh's own facets."""
+    on_area, own_area = patch_areas(on), patch_areas(own)
+    followed = patches_of_groups(mesh, own, on)
+    areas_of = {name: float(own_area[patches].sum()) for name, patches in patches_of_groups(mesh, own, own).items()}
+    return {name: float(on_area[followed[name]].sum()) / area for name, area in areas_of.items() if area}
+
+
+def patches_of_groups(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, Bools]:
+    """By group of tagged facets of the mesh, whose own surface is ``own``, (patches,) which of ``on`` it is."""
     if not len(mesh.facets):
         return {}
     row = find_rows(np.sort(own.strata.triangles, axis=1), np.sort(mesh.facets.vertices, axis=1), len(mesh.points))
-    on_patch, own_patch = _patch_areas(on), _patch_areas(own)
-    out = {}
-    for name, member in group_names(mesh, mesh.facets).items():
-        patches = np.unique(own.strata.patch[row[member & (row >= 0)]])
-        area = float(own_patch[patches].sum())
-        if area:
-            out[name] = float(on_patch[np.isin(on.carried, patches)].sum()) / area
-    return out
+    return {
+        name: np.isin(on.carried, np.unique(own.strata.patch[row[member & (row >= 0)]]))
+        for name, member in group_names(mesh, mesh.facets).items()
+    }
 
 
 def planar_share(on: Reference) -> float:
     """The share of its area that is in planar patches."""
     vectors = normals(on.points, on.strata.triangles) / 2.0
     sums = [np.bincount(on.strata.patch, axis, minlength=len(on.sides)) for axis in vectors.T]
-    area = _patch_areas(on)
+    area = patch_areas(on)
     planar = np.linalg.norm(sums, axis=0) > _PLANAR * area
     return float(area[planar].sum() / area.sum())
 
 
-def _patch_areas(on: Reference) -> Floats:
+def patch_areas(on: Reference) -> Floats:
     """(patches,) the area of each patch."""
     area = areas(on.points, on.strata.triangles)
     return np.asarray(np.bincount(on.strata.patch, area, minlength=len(on.sides)), dtype=np.float64)

@@ -12,6 +12,7 @@ from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
 from wct_plugin.meshing.followed_surface import enclosed_volumes, planar_share
 from wct_plugin.meshing.held_surface import HeldSurface
+from wct_plugin.meshing.kept_areas import KeptAreas
 from wct_plugin.meshing.local_tolerance import Tolerance
 from wct_plugin.meshing.phase_progress import Listener
 from wct_plugin.meshing.reference import Reference
@@ -69,6 +70,7 @@ class LocalSearch:
     fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
     firm: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: creases never given up
     crease_angle: float = 180.0  #: in degrees: patches do not come to bend more
+    areas: KeptAreas | None = None  #: of groups and interfaces; None: nobody asks
 
     @property
     def worth(self) -> float:
@@ -187,8 +189,9 @@ class LocalSearch:
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
         Where much of it is, its search goes on before that. Where the best is stuck in few places, the rest of it
-        stays, and creases that it gave up stay so. What that may cost counts from here: where pairs of sides are to
-        match, one such search follows another.
+        stays, and creases that it gave up stay so. Where none is stuck, but groups or interfaces did not keep their
+        areas, another start is tried that differs by chance alone. What that may cost counts from here: where pairs of
+        sides are to match, one such search follows another.
         """
         several = len(on.regions) > 1 and len(start.tets) >= _SEVERAL_TETS
         self.work.begin_with(len(start.tets), planar_share(on) if several else 0.0)
@@ -200,9 +203,15 @@ class LocalSearch:
             found = self.run(start, self._without(on, gone), tolerance, worth, part)
             found = replace(found, released=np.union1d(gone, found.released))
             tried.append(found)
-            if not len(found.stuck) or self.listen.stopped or last or not self.work.left:
+            if self.listen.stopped or last or not self.work.left:
                 return tried
             fewest = best(tried)
+            if not len(fewest.stuck):
+                other = self._for_areas(fewest, on, tolerance, lengths, finer, len(tried))
+                if other is None:
+                    return tried
+                start, gone, (worth, part) = other, gone[:0], (self.worth, 1.0)
+                continue
             more = self._more_of(on, tried) if worth == self.worth else None
             if more is not None:
                 start, gone, (worth, part) = fewest.mesh, fewest.released, more
@@ -223,6 +232,20 @@ class LocalSearch:
             if again is None:  # more of the same
                 last, worth, again, gone = True, np.inf, fewest.mesh, fewest.released
             start = again
+
+    def _for_areas(
+        self,
+        found: SearchResult,
+        on: Reference,
+        tolerance: Tolerance,
+        lengths: Lengths,
+        finer: ShorterEdges,
+        attempt: int,
+    ) -> StratifiedMesh | None:
+        """Another start, where areas were not kept; None where they were, or there is none."""
+        if self.areas is None or self.areas.holds(found) or attempt > _FINER:
+            return None
+        return self.resampled(on, tolerance, lengths, finer, attempt=attempt)
 
     def _more_of(self, on: Reference, tried: list[SearchResult]) -> tuple[float, float] | None:
         """With what worth and part of the work the search from the last start goes on; None where it does not."""

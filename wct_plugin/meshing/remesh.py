@@ -16,6 +16,7 @@ from wct_plugin.meshing import planes, required_cells, search_mesh
 from wct_plugin.meshing.followed_surface import outer
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.judgement import Found
+from wct_plugin.meshing.kept_areas import KeptAreas
 from wct_plugin.meshing.local_search import LocalSearch, best, ranked
 from wct_plugin.meshing.local_tolerance import LeastTolerance, Tolerance, find_tolerance
 from wct_plugin.meshing.new_mesh_faults import find_fault, warn_of_fault, warn_that_nothing_was_found
@@ -183,6 +184,7 @@ def _search(
         fixed,
         fixed[:0] if given.periodic is None else given.periodic.firm,
         options.crease_angle,
+        KeptAreas.of(follow.straight, follow.own, follow.surface),
     )
     if moves and not _has_rough_sheets(given):
         most = None if wanted is not None else longest_edges(mesh, follow.own, follow.surface, options.surface_edges)

@@ -1,0 +1,41 @@
+"""Whether a search kept the areas of groups and interfaces: where it did not, another start may."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from wct_plugin.core.results import SearchResult
+from wct_plugin.measure.conserved import CHANGE
+from wct_plugin.mesh import TetMesh
+from wct_plugin.mesh.triangle_surfaces import areas
+from wct_plugin.meshing.followed_surface import patch_areas, patches_of_groups
+from wct_plugin.meshing.reference import Reference
+from wct_plugin.types import Bools, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class KeptAreas:
+    """The areas of groups and interfaces on the surface that is followed."""
+
+    members: Bools  #: (groups, patches) whether the patch is of the group
+    wanted: Floats  #: (groups,) the area it has
+
+    @classmethod
+    def of(cls, mesh: TetMesh, own: Reference, on: Reference) -> Self:
+        """Those of the mesh, whose own surface is ``own``, on the surface ``on``."""
+        groups = list(patches_of_groups(mesh, own, on).values())
+        between = np.sort(on.sides, axis=1)
+        between = between[(between[:, 0] >= 0) & (between[:, 0] < between[:, 1])]
+        groups += [(np.sort(on.sides, axis=1) == pair).all(axis=1) for pair in np.unique(between, axis=0)]
+        members = np.array(groups, dtype=bool).reshape(-1, len(on.sides))
+        wanted = members @ patch_areas(on)
+        return cls(members[wanted > 0.0], wanted[wanted > 0.0])
+
+    def holds(self, found: SearchResult) -> bool:
+        """Whether none changed by more than is allowed; not asked where creases between patches were given up."""
+        if len(found.released):
+            return True
+        mesh = found.mesh
+        area = np.bincount(mesh.facet_patch, areas(mesh.points, mesh.facets), minlength=self.members.shape[1])
+        return bool((np.abs(self.members @ area - self.wanted) <= CHANGE * self.wanted).all())
