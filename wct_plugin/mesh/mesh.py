@@ -237,12 +237,12 @@ class TetMesh(Pickled, Shown):
         return Topology(self.tets, self.regions, len(self.points))
 
     def altered(self, **fields: Any) -> "TetMesh":
-        """As by :func:`dataclasses.replace`, for other fields than tets and regions: the topology is not derived again.
+        """As by :func:`dataclasses.replace`; where tets and regions stay, the topology is not derived again.
 
         New points under which tets turn over are those of another mesh, with a topology of its own.
         """
         out = replace(self, **fields)
-        if np.array_equal(out.tets, self.tets):
+        if np.array_equal(out.tets, self.tets) and np.array_equal(out.regions, self.regions):
             _set(out, "topology", self.topology)
         return out
 
