@@ -17,19 +17,26 @@ namespace wct::tests {
 
 namespace {
 
-/// A cylinder cut in two at half its height: there is a rim on its smooth side.
-Body drum() {
-    const Body whole = cylinder(4, 0.0, 1);
-    std::vector<int> regions;
-    for (const Tet &tet : whole.tets) {
-        double z = 0.0;
-        for (const int v : tet)
-            z += 0.25 * whole.points[v].z;
-        regions.push_back(z < 0.5);
+/// Tets that rest on the surface alone, two facets of them or more outside, with a corner on a side of the other
+/// region.
+int lying_on_rims(const sampling::Cloud &cloud, const domain::Reference &reference,
+                  const sampling::RestrictedDelaunay &complex) {
+    int count = 0;
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t) {
+        const Tet &tet = complex.all.tets[t];
+        const auto inside = [&](int v) { return cloud.role[v] == Stratum::interior; };
+        if (complex.region[t] < 0 || std::any_of(tet.begin(), tet.end(), inside))
+            continue;
+        int outside = 0;
+        for (int i = 0; i < 4; ++i)
+            outside += complex.beyond(t, i) < 0;
+        count += outside > 1 && std::any_of(tet.begin(), tet.end(), [&](int v) {
+                     return cloud.role[v] == Stratum::patch &&
+                            reference.sides(cloud.label[v])[0] != complex.region[t] &&
+                            reference.sides(cloud.label[v])[1] != complex.region[t];
+                 });
     }
-    return stratified(whole.points, whole.tets, regions, [](const Vec3 &, const Vec3 &normal) {
-        return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
-    });
+    return count;
 }
 
 /// Is the edge on the boundary of the complex?
@@ -64,7 +71,7 @@ delaunay::Triangulation joined(const std::vector<Tet> &tets) {
 } // namespace
 
 TEST_CASE("Restricted Delaunay: tets that hide a rim are taken off") {
-    const Body body = drum();
+    const Body body = drum(4);
     const domain::Reference reference(body.surface());
     const domain::InputMesh mesh = body.mesh();
     const domain::RegionMap map(mesh, reference);
@@ -97,6 +104,37 @@ TEST_CASE("Restricted Delaunay: tets that hide a rim are taken off") {
     CHECK(on_boundary(all, 2, 3));
     CHECK(on_boundary(peeled, 0, 1));
     CHECK_FALSE(on_boundary(peeled, 2, 3));
+}
+
+TEST_CASE("Restricted Delaunay: no tet lies on the rim of an interface, with corners on both sides of it") {
+    const Body body = drum(8);
+    const domain::Reference reference(body.surface());
+    const domain::InputMesh mesh = body.mesh();
+    const domain::RegionMap map(mesh, reference);
+    int before = 0;
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+        Random random(seed);
+        sampling::Cloud cloud; // the middles of the rim's edges, and the body's points elsewhere
+        for (std::size_t e = 0; e < body.creases.size(); ++e) {
+            const auto &[v, w] = body.creases[e];
+            if (body.points[v].z == 0.5 && body.points[w].z == 0.5)
+                cloud.add(0.5 * (body.points[v] + body.points[w]), Stratum::crease, body.curve[e], 0.2);
+        }
+        for (std::size_t v = 0; v < body.points.size(); ++v) {
+            const Vec3 &p = body.points[v];
+            const bool near = std::hypot(p.x, p.y) > 0.9 && std::abs(p.z - 0.5) < 0.2; // the rim
+            if (!near)
+                cloud.add(p, body.stratum[v], body.stratum[v] == Stratum::interior ? p.z < 0.5 : body.label[v], 0.2);
+        }
+        for (int k = 0; k < 64; ++k) { // on the side, just above and below the rim
+            const double turn = 2.0 * std::acos(-1.0) * random.uniform(), lift = 0.04 + 0.1 * random.uniform();
+            const domain::Foot foot = reference.nearest({std::cos(turn), std::sin(turn), 0.5 + (k % 2 ? lift : -lift)});
+            cloud.add(foot.point, Stratum::patch, body.patch[foot.triangle], 0.2);
+        }
+        before += lying_on_rims(cloud, reference, sampling::labelled_delaunay(cloud, map, Workers(1)));
+        CHECK(lying_on_rims(cloud, reference, sampling::restricted_delaunay(cloud, reference, map, Workers(1))) == 0);
+    }
+    CHECK(before > 0);
 }
 
 TEST_CASE("Restricted Delaunay: Euler characteristics by the surface are those by all cells") {

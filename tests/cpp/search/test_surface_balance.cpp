@@ -109,6 +109,29 @@ TEST_CASE("SurfaceBalance: flat ends of a cylinder get their area, and stay flat
     CHECK(fault(bench.complex) == "");
 }
 
+TEST_CASE("SurfaceBalance: areas that are far off are kept roughly where the mesh beside makes room") {
+    constexpr double tolerance = 0.05;
+    const Body fine = cylinder(10, 0.0, 1);
+    Bench bench(cylinder(4, 0.0, 1), tolerance);
+    const search::SurfaceGuide guide = guide_of(fine, tolerance, 0.05);
+    search::SurfaceWatch watch(bench.complex, guide);
+    watch.begin();
+    search::VertexDescent descent(bench.complex, bench.energy, guide, watch);
+    const int bad = bad_in(bench);
+    std::vector<double> missed;
+    for (int patch = 0; patch < 3; ++patch)
+        missed.push_back(guide.area(patch) - area_of(bench.complex, patch));
+    search::SurfaceBalance(bench.complex, bench.energy, guide, descent, {}).keep_areas_roughly();
+    for (int patch = 0; patch < 3; ++patch)
+        if (guide.planar(patch)) {
+            CHECK(missed[static_cast<std::size_t>(patch)] > 0.01 * guide.area(patch));
+            CHECK(std::abs(guide.area(patch) - area_of(bench.complex, patch)) <
+                  0.3 * missed[static_cast<std::size_t>(patch)]);
+        }
+    CHECK(bad_in(bench) <= bad);
+    CHECK(fault(bench.complex) == "");
+}
+
 TEST_CASE("SurfaceBalance: a vertex alone on its curved patch has no neighbours to be evened with") {
     Body whole = ball(2, 0.0, 1);
     const auto top = [](const Vec3 &middle, const Vec3 &) { return middle.z > 0.75 ? 0 : 1; };

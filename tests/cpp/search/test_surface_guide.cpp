@@ -246,4 +246,26 @@ TEST_CASE("SurfaceGuide: a crease edge is near its curve or not from whichever e
     }
 }
 
+TEST_CASE("SurfaceGuide: the rim of a plane that parts a curved side stands out less than that of an end") {
+    const Body body = drum(8);
+    const search::SurfaceGuide guide = guide_of(body, kTolerance, 0.05);
+    double parting = 0.0, end = 0.0;
+    for (std::size_t v = 0; v < body.points.size(); ++v) {
+        if (body.stratum[v] != Stratum::crease)
+            continue;
+        search::Vertex vertex;
+        vertex.position = body.points[v];
+        vertex.stratum = Stratum::crease;
+        vertex.label = body.label[v];
+        const Vec3 home = body.points[v];
+        Vec3 x = home + 3.0 * kTolerance * unit(Vec3{home.x, home.y, 0.0});
+        guide.admit(vertex, x);
+        double &farthest = std::abs(home.z - 0.5) < 0.25 ? parting : end;
+        farthest = std::max(farthest, norm(x - home));
+        CHECK(x.z == home.z);
+    }
+    CHECK(parting == doctest::Approx(0.7 * kTolerance).epsilon(0.01));
+    CHECK(end == doctest::Approx(0.9 * kTolerance).epsilon(0.01));
+}
+
 } // namespace wct::tests

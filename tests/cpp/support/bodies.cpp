@@ -231,6 +231,20 @@ Body cylinder(int n, double jitter, std::uint64_t seed) {
     return body;
 }
 
+Body drum(int n) {
+    const Body whole = cylinder(n, 0.0, 1);
+    std::vector<int> regions;
+    for (const Tet &tet : whole.tets) {
+        double z = 0.0;
+        for (const int v : tet)
+            z += 0.25 * whole.points[v].z;
+        regions.push_back(z < 0.5);
+    }
+    return stratified(whole.points, whole.tets, regions, [](const Vec3 &, const Vec3 &normal) {
+        return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
+    });
+}
+
 std::vector<double> volumes(const Body &body) {
     std::vector<double> sums;
     for (std::size_t t = 0; t < body.tets.size(); ++t) {

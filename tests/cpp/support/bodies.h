@@ -48,6 +48,8 @@ Body ball(int n, double jitter, std::uint64_t seed);
 Body cut_ball(int n, double jitter, std::uint64_t seed);
 /// Radius and height 1: a curved patch, two planes, two round creases.
 Body cylinder(int n, double jitter, std::uint64_t seed);
+/// The cylinder in two regions, cut at half its height (n is even): there is a rim on its smooth side.
+Body drum(int n);
 
 /// Volume of all tets of each region.
 std::vector<double> volumes(const Body &body);
