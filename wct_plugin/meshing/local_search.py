@@ -45,6 +45,8 @@ _PATIENT = 0.4
 #: ever fewer are stuck, and shorter edges do not help, unless so many are stuck that there are too few points.
 _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
+#: Where more than this share of the best is stuck, there are too few points everywhere: each start is finer than the last.
+_TOO_FEW_POINTS = 0.05
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -217,9 +219,12 @@ class LocalSearch:
                 start, gone, (worth, part) = fewest.mesh, fewest.released, more
                 continue
             worth, part = self.worth, 1.0
-            free = self._free(fewest)
+            coarse = len(fewest.stuck) > _TOO_FEW_POINTS * len(fewest.mesh.tets)
+            beside = found if coarse else fewest
+            free = self._free(beside)
             share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else _AT_INTERFACES
-            finer = finer.about(fewest.mesh.points[free].mean(axis=1), share * fewest.mesh.size[free].mean(axis=1))
+            share = _SHARES[-1] if coarse else share
+            finer = finer.about(beside.mesh.points[free].mean(axis=1), share * beside.mesh.size[free].mean(axis=1))
             again = None
             if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
                 gone = fewest.released
