@@ -3,6 +3,7 @@
 #include "base/cells.h"
 #include "domain/reference.h"
 
+#include <span>
 #include <vector>
 
 namespace wct::domain {
@@ -15,14 +16,15 @@ struct SharpFoot {
     double distance = 0.0;
 };
 
-/// Creases where a region fills an angle of less than 60 degrees.
+/// Creases where a region fills an angle of less than 60 degrees, between two facets of its boundary.
 ///
 /// Every tet at such an edge has that angle there, so it is well-centered only where its edge along the crease is about
 /// as long as the region is thick at its two other vertices. The first vertices off the crease therefore belong where
 /// the region is as thick as the edges along it are long: between them and the crease there is to be none.
 class SharpEdges {
   public:
-    /// `outside`: those where it is no region that is so narrow, but what is outside of all.
+    /// `outside`: those where it is no region that is so narrow, but what is outside of all; where interfaces end there
+    /// are regions beside it all the same.
     explicit SharpEdges(const Reference &reference, bool outside = false);
 
     bool empty() const { return edges_.empty(); }
@@ -32,6 +34,9 @@ class SharpEdges {
     const Edge &ends(int edge) const { return edges_[edge].ends; }
     /// How thick the region is at the distance 1 from it.
     double narrow(int edge) const { return edges_[edge].narrow; }
+    /// Whether a point, whose nearest point of it this is, lies in the angle or on its sides; always where nothing else
+    /// meets there.
+    bool takes_in(const SharpFoot &foot, const Vec3 &p) const;
     /// The triangles on either side.
     const std::array<int, 2> &beside(int edge) const { return edges_[edge].beside; }
     int count() const { return static_cast<int>(edges_.size()); }
@@ -43,7 +48,13 @@ class SharpEdges {
         Edge ends;
         std::array<int, 2> beside;
         double narrow;
+        bool shared = false; // with other regions
+        Vec3 middle;         // of the angle, where it is shared: the unit vector from the edge
+        double half = 0.0;   // of the angle, in radians
     };
+    void add(int segment, const SharpEdge &edge, std::vector<geometry::Box> &boxes);
+    /// Those of a crease where more than two facets meet.
+    void add_shared(int segment, std::span<const int> owners, bool outside, std::vector<geometry::Box> &boxes);
 
     const Reference &reference_;
     std::vector<SharpEdge> edges_;

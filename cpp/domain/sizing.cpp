@@ -365,7 +365,7 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
     if (sharp_.empty())
         return {};
     const SharpFoot foot = sharp_.nearest(p, form_.coarsen * largest_);
-    return foot.edge >= 0 && foot.distance < clearance(foot) ? foot : SharpFoot{};
+    return foot.edge >= 0 && foot.distance < clearance(foot) && sharp_.takes_in(foot, p) ? foot : SharpFoot{};
 }
 
 void Sizing::grade() {
