@@ -52,7 +52,7 @@ class PlaneRecovery {
         for (const auto &[i, j] : kEdges)
             for (int k = 0; k < 4; ++k)
                 for (const int patch : own[k]) // of an end there is none that the ends do not have
-                    if (inside(patch) && !has(own[i], patch) && !has(own[j], patch) && mend(tet[i], tet[j], patch))
+                    if (reference_.planar(patch) && !has(own[i], patch) && !has(own[j], patch) && mend(tet[i], tet[j], patch))
                         return;
     }
 
@@ -68,10 +68,9 @@ class PlaneRecovery {
     static bool has(const std::vector<int> &patches, int patch) {
         return std::binary_search(patches.begin(), patches.end(), patch);
     }
-    /// What cuts across the outside is left to shorter edges there: a point put on it would leave its corner as it is.
     bool inside(int patch) const {
         const auto &[behind, before] = reference_.data().sides[patch];
-        return reference_.planar(patch) && behind >= 0 && before >= 0;
+        return behind >= 0 && before >= 0;
     }
 
     /// Whether the edge passes through the patch; then it will no more, if it may be changed.
@@ -83,7 +82,8 @@ class PlaneRecovery {
             return true; // gone for another edge
         bool gone = false;
         for (const auto &[end, height] : {std::pair{v, found->heights[0]}, std::pair{w, found->heights[1]}})
-            if (cloud_.held[end] < Hold::all && height < least_height(end)) {
+            if (cloud_.held[end] < Hold::all && (inside(patch) || cloud_.role[end] == Stratum::interior) &&
+                height < least_height(end)) {
                 keep_[end] = 0;
                 ++changes_;
                 gone = true;
