@@ -49,7 +49,7 @@ class SharpEdges {
         std::array<int, 2> beside;
         double narrow;
         bool shared = false; // with other regions
-        Vec3 middle;         // of the angle, where it is shared: the unit vector from the edge
+        Vec3 middle = {};    // of the angle, where it is shared: the unit vector from the edge
         double half = 0.0;   // of the angle, in radians
     };
     void add(int segment, const SharpEdge &edge, std::vector<geometry::Box> &boxes);

@@ -52,7 +52,8 @@ class PlaneRecovery {
         for (const auto &[i, j] : kEdges)
             for (int k = 0; k < 4; ++k)
                 for (const int patch : own[k]) // of an end there is none that the ends do not have
-                    if (reference_.planar(patch) && !has(own[i], patch) && !has(own[j], patch) && mend(tet[i], tet[j], patch))
+                    if (reference_.planar(patch) && !has(own[i], patch) && !has(own[j], patch) &&
+                        mend(tet[i], tet[j], patch))
                         return;
     }
 

@@ -28,6 +28,8 @@ from wct_plugin.types import Floats, Ints
 #: Sweeps and tries at effort 1.
 _PASSES = 12
 _KICKS = 4000
+#: How many starts are made until one represents the domain: without one, the search begins with the mesh that came.
+_STARTS = 3
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
 _FINER_HELD = 2  #: the same beside facets that are held
@@ -45,6 +47,8 @@ _PATIENT = 0.4
 #: ever fewer are stuck, and shorter edges do not help, unless so many are stuck that there are too few points.
 _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
+#: Where more than this share of such a mesh is stuck, and not that many, no start has come back below it.
+_IN_VAIN = 0.005
 #: Where more than this share of the best is stuck, there are too few points everywhere: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
@@ -110,6 +114,14 @@ class LocalSearch:
         found = _core.search_well_centered(start, on.surface, options, self.listen.search)
         self.work.add_search(found.evaluations, stuck=len(found.stuck))
         return found
+
+    def first_start(self, on: Reference, tolerance: Tolerance, lengths: Lengths) -> StratifiedMesh | None:
+        """The first of some starts, which differ by chance alone, that represents the domain; None where none does."""
+        for attempt in range(_STARTS):
+            start = self.resampled(on, tolerance, lengths, attempt=attempt)
+            if start is not None or self.listen.stopped or self.limit.needed is not None:
+                return start
+        return None
 
     def resampled(
         self,
@@ -226,7 +238,7 @@ class LocalSearch:
             share = _SHARES[-1] if coarse else share
             finer = finer.about(beside.mesh.points[free].mean(axis=1), share * beside.mesh.size[free].mean(axis=1))
             again = None
-            if len(tried) <= (_FINER_HELD if self.held is not None else _FINER):
+            if len(tried) <= self._restarts(on, fewest):
                 gone = fewest.released
                 again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:
@@ -237,6 +249,13 @@ class LocalSearch:
             if again is None:  # more of the same
                 last, worth, again, gone = True, np.inf, fewest.mesh, fewest.released
             start = again
+
+    def _restarts(self, on: Reference, fewest: SearchResult) -> int:
+        """How often to start anew from the best that was found so far."""
+        stuck, tets = len(fewest.stuck), len(fewest.mesh.tets)
+        if len(on.regions) > 1 and tets >= _SEVERAL_TETS and _IN_VAIN * tets < stuck <= _MANY_STUCK * tets:
+            return 0
+        return _FINER_HELD if self.held is not None else _FINER
 
     def _for_areas(
         self,

@@ -176,7 +176,7 @@ class PeriodicSurface:
         if anew:
             lines = self._lines(_Located.of(plain.mesh, on, search.held))
             first = _holding(search, lines, on)
-            start = first.resampled(on, tolerance, lengths)
+            start = first.first_start(on, tolerance, lengths)
             if start is None:
                 raise Unmatched("no mesh was found with the curves that they share")
             found = best(first.run_finer(start, on, tolerance, lengths))

@@ -189,7 +189,7 @@ def _search(
     if moves and not _has_rough_sheets(given):
         most = None if wanted is not None else longest_edges(mesh, follow.own, follow.surface, options.surface_edges)
         lengths = Lengths(wanted, most)
-        fresh = search.resampled(follow.surface, follow.within, lengths)
+        fresh = search.first_start(follow.surface, follow.within, lengths)
         if fresh is not None:
             tried = search.run_finer(fresh, follow.surface, follow.within, lengths)
             return follow, _with_pairs(follow, search, tried)

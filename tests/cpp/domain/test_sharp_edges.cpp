@@ -94,6 +94,38 @@ TEST_CASE("Sharp edges: a notch is sharp outside, not inside") {
     CHECK(notch.narrow(0) == doctest::Approx(2.0 * std::sin(std::numbers::pi / 12.0)));
 }
 
+TEST_CASE("Sharp edges: where an interface ends, each angle between two facets counts by itself") {
+    const double narrow = 2.0 * std::sin(20.0 * std::numbers::pi / 180.0);
+    const domain::Reference notched(round_axis({{0.0, -1}, {40.0, 0}, {200.0, 1}}, 2).surface());
+    const domain::Reference filled(round_axis({{0.0, 2}, {40.0, 0}, {200.0, 1}}, 2).surface());
+    for (const bool outside : {true, false}) {
+        const domain::Reference &reference = outside ? notched : filled;
+        const domain::SharpEdges sharp(reference, outside);
+        CHECK(domain::SharpEdges(reference, !outside).empty());
+        REQUIRE(sharp.count() == 2);
+        for (int e = 0; e < 2; ++e) {
+            CHECK(sharp.narrow(e) == doctest::Approx(narrow));
+            double turned = 0.0; // the sides look along 40 degrees and back along 0
+            for (const int t : sharp.beside(e))
+                turned += std::abs(std::atan2(std::abs(reference.normal(t).x), std::abs(reference.normal(t).y)));
+            CHECK(turned == doctest::Approx(40.0 * std::numbers::pi / 180.0));
+        }
+        for (const auto &[degrees, inside] : {std::pair(0.0, true),
+                                              {20.0, true},
+                                              {40.0, true},
+                                              {-10.0, false},
+                                              {50.0, false},
+                                              {120.0, false},
+                                              {300.0, false}}) {
+            const double turn = degrees * std::numbers::pi / 180.0;
+            const Vec3 p{0.3 * std::cos(turn), 0.3 * std::sin(turn), 0.4};
+            const domain::SharpFoot foot = sharp.nearest(p, 1.0);
+            REQUIRE(foot.edge >= 0);
+            CHECK(sharp.takes_in(foot, p) == inside);
+        }
+    }
+}
+
 TEST_CASE("Sharp edges: the nearest point, if it is near enough") {
     const domain::Reference reference(wedge(40.0, 4).surface());
     const domain::SharpEdges sharp(reference);

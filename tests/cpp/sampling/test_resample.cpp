@@ -204,4 +204,17 @@ TEST_CASE("euler_characteristics: of bodies, a ring and two in one region") {
     CHECK(geometry::euler_characteristics(ring.tets, both) == std::vector<int>{2});
 }
 
+TEST_CASE("Resample: narrow angles where interfaces end are represented, and rows stand beside them") {
+    for (const int between : {-1, 2}) { // outside, or a third region
+        CAPTURE(between);
+        std::size_t bad = 0;
+        for (const std::uint64_t seed : {1, 2}) {
+            const Start start = resampled(round_axis({{10.0, between}, {36.0, 0}, {200.0, 1}}, 7), 0.005, 1, seed);
+            CHECK(start.intact);
+            bad += start.bad;
+        }
+        CHECK(bad < (between < 0 ? 1400 : 2250)); // without rows 2200 and 2400: sizes go to nothing there
+    }
+}
+
 } // namespace wct::tests

@@ -3,8 +3,10 @@
 #include "base/random.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace wct::tests {
@@ -243,6 +245,80 @@ Body drum(int n) {
     return stratified(whole.points, whole.tets, regions, [](const Vec3 &, const Vec3 &normal) {
         return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
     });
+}
+
+Body round_axis(const std::vector<Turn> &turns, int parts) {
+    constexpr double widest = 31.0; // degrees, of a sector
+    std::vector<double> at;
+    std::vector<int> of;
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+        const double to = k + 1 < turns.size() ? turns[k + 1].from : turns[0].from + 360.0;
+        const int sectors = static_cast<int>(std::ceil((to - turns[k].from) / widest));
+        for (int i = 0; i < sectors; ++i) {
+            at.push_back(turns[k].from + (to - turns[k].from) * i / sectors);
+            of.push_back(turns[k].region);
+        }
+    }
+    const int across = static_cast<int>(at.size());
+    std::vector<Vec3> points; // layer by layer: the axis, then ring by ring
+    for (int layer = 0; layer <= parts; ++layer) {
+        const double z = static_cast<double>(layer) / parts;
+        points.push_back({0.0, 0.0, z});
+        for (int ring = 1; ring <= parts; ++ring)
+            for (const double degrees : at) {
+                const double turn = degrees * std::numbers::pi / 180.0, r = static_cast<double>(ring) / parts;
+                points.push_back({r * std::cos(turn), r * std::sin(turn), z});
+            }
+    }
+    const auto id = [&](int layer, int ring, int sector) {
+        const int first = layer * (1 + parts * across);
+        return ring == 0 ? first : first + 1 + (ring - 1) * across + sector % across;
+    };
+    std::vector<Tet> tets;
+    std::vector<int> regions;
+    const auto prism = [&](const std::array<std::array<int, 2>, 3> &base, int layer, int region) {
+        std::array<int, 3> low{}, high{};
+        for (int i = 0; i < 3; ++i) {
+            low[i] = id(layer, base[i][0], base[i][1]);
+            high[i] = id(layer + 1, base[i][0], base[i][1]);
+        }
+        std::sort(low.begin(), low.end()); // cut alike from both sides of each face
+        std::sort(high.begin(), high.end());
+        for (Tet tet : {Tet{low[0], low[1], low[2], high[2]}, Tet{low[0], low[1], high[1], high[2]},
+                        Tet{low[0], high[0], high[1], high[2]}}) {
+            if (six_volumes(points, tet) < 0.0)
+                std::swap(tet[2], tet[3]);
+            tets.push_back(tet);
+            regions.push_back(region);
+        }
+    };
+    for (int layer = 0; layer < parts; ++layer)
+        for (int sector = 0; sector < across; ++sector) {
+            if (of[sector] < 0)
+                continue;
+            prism({{{0, 0}, {1, sector}, {1, sector + 1}}}, layer, of[sector]);
+            for (int ring = 1; ring < parts; ++ring) {
+                prism({{{ring, sector}, {ring + 1, sector}, {ring + 1, sector + 1}}}, layer, of[sector]);
+                prism({{{ring, sector}, {ring, sector + 1}, {ring + 1, sector + 1}}}, layer, of[sector]);
+            }
+        }
+    std::vector<int> fresh(points.size(), -1);
+    std::vector<Vec3> used;
+    for (Tet &tet : tets)
+        for (int &v : tet) {
+            if (fresh[v] < 0) {
+                fresh[v] = static_cast<int>(used.size());
+                used.push_back(points[v]);
+            }
+            v = fresh[v];
+        }
+    // Faces by where they look, to within a few degrees.
+    Body body = stratified(std::move(used), tets, std::move(regions), [](const Vec3 &, const Vec3 &n) {
+        const double turn = std::atan2(n.y, n.x) * 180.0 / std::numbers::pi;
+        return std::abs(n.z) > 0.5 ? (n.z > 0.0 ? 1000 : 1001) : static_cast<int>(std::lround(turn / 3.0));
+    });
+    body.size = 1.0 / parts;
+    return body;
 }
 
 std::vector<double> volumes(const Body &body) {

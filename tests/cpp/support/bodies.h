@@ -51,6 +51,14 @@ Body cylinder(int n, double jitter, std::uint64_t seed);
 /// The cylinder in two regions, cut at half its height (n is even): there is a rim on its smooth side.
 Body drum(int n);
 
+/// Regions round the z axis, as high and as far out as so many parts: from each turn (degrees, ascending) to the next
+/// there is the region of that turn, and none where that is negative.
+struct Turn {
+    double from;
+    int region;
+};
+Body round_axis(const std::vector<Turn> &turns, int parts);
+
 /// Volume of all tets of each region.
 std::vector<double> volumes(const Body &body);
 
