@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.builders import ball
+from support.builders import ball, cylinder
 
 from wct_plugin import apply_filter
 from wct_plugin.mesh import Cells, TetMesh
@@ -45,12 +45,25 @@ def volumes(mesh):
 
 
 def test_a_round_contact_keeps_its_area_and_both_regions_their_volume():
-    mesh = drum(16, 3, 3)
+    mesh = drum(16, 3, 4)
     better, found = apply_filter("meshing_well_centered", mesh, goal="3wc")
     old, new = (area(one.points, one.facets.vertices) for one in (mesh, better))
     assert new == pytest.approx(old, rel=5e-3)
     assert volumes(better) == pytest.approx(volumes(mesh), rel=5e-3)
     assert found["groups"]["5"]["change"] == pytest.approx(new / old - 1.0, abs=1e-9)
+    assert not found["bad"]
+    assert not found["losses"]
+
+
+@pytest.mark.parametrize("seed", [1, 3])  # of the first seeds, those in which the interface grew by 1.2 %
+def test_an_interface_through_a_coarse_cylinder_keeps_its_area(seed):
+    whole = cylinder(12, 4)
+    mesh = TetMesh(whole.points, whole.tets, np.where(whole.points[whole.tets].mean(axis=1)[:, 2] < 1.0, 1, 2))
+    better, found = apply_filter("meshing_well_centered", mesh, seed=seed)
+    assert len(np.unique(better.points[better.topology.interfaces][..., 2])) == 1
+    assert area(better.points, better.topology.interfaces) == pytest.approx(3.0, rel=5e-3)  # a polygon of 12 corners
+    assert not found["bad"]
+    assert not found["losses"]
 
 
 def test_a_coarse_ball_keeps_its_volume():

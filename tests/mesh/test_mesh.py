@@ -256,3 +256,12 @@ def test_repeated_tets_are_found_whatever_the_keys_and_chunks(monkeypatch):
     turned[9, 3] = turned[9, 0]
     with pytest.raises(InputError, match=r"tet 9 is .*; its four vertices must differ"):
         TetMesh(cube.points, turned)
+
+
+def test_other_regions_have_other_interfaces():
+    mesh = kuhn_cube(2)
+    assert not len(mesh.topology.interfaces)
+    halves = mesh.altered(regions=(mesh.points[mesh.tets].mean(axis=1)[:, 0] > 0.5).astype(np.int64))
+    assert (mesh.points[halves.topology.interfaces][..., 0] == 0.5).all()
+    assert len(halves.topology.interfaces) == 8
+    assert halves.altered(points=halves.points + 1.0).topology is halves.topology

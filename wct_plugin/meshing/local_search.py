@@ -30,6 +30,7 @@ _PASSES = 12
 _KICKS = 4000
 #: How many starts are made until one represents the domain: without one, the search begins with the mesh that came.
 _STARTS = 3
+_FEW_LOST = 0.01  #: share of a start's points, round which it does not: with more of them no other start does
 #: How often a start is made anew with shorter edges where the search was stuck.
 _FINER = 5
 _FINER_HELD = 2  #: the same beside facets that are held
@@ -49,7 +50,7 @@ _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
 #: Where more than this share of such a mesh is stuck, and not that many, no start has come back below it.
 _IN_VAIN = 0.005
-#: Where more than this share of the best is stuck, there are too few points everywhere: each start is finer than the last.
+#: Where more than this share of the best is stuck, there are too few points: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
@@ -116,10 +117,16 @@ class LocalSearch:
         return found
 
     def first_start(self, on: Reference, tolerance: Tolerance, lengths: Lengths) -> StratifiedMesh | None:
-        """The first of some starts, which differ by chance alone, that represents the domain; None where none does."""
+        """The first of some starts, which differ by chance alone, that represents the domain; None where none does.
+
+        Where a start is far from that, no other is tried.
+        """
         for attempt in range(_STARTS):
-            start = self.resampled(on, tolerance, lengths, attempt=attempt)
-            if start is not None or self.listen.stopped or self.limit.needed is not None:
+            found = self._sampled(on, tolerance, lengths, ShorterEdges.nowhere(), None, attempt)
+            if found is None:
+                return None
+            start = self._sound(found, on)
+            if start is not None or len(found.lost) > _FEW_LOST * len(found.mesh.points):
                 return start
         return None
 
@@ -136,9 +143,23 @@ class LocalSearch:
 
         None too where it is stopped, as what is made until then is no start, and where it has too many tets.
         """
+        found = self._sampled(on, tolerance, lengths, finer or ShorterEdges.nowhere(), restart, attempt)
+        if found is None:
+            return None
+        return self._sound(found, on) if restart is None else self._stitched(self._pinned(found), found, restart)
+
+    def _sampled(
+        self,
+        on: Reference,
+        tolerance: Tolerance,
+        lengths: Lengths,
+        finer: ShorterEdges,
+        restart: PartialRestart | None,
+        attempt: int,
+    ) -> ResampleResult | None:
+        """What the core makes; None where it is stopped, or that has too many tets."""
         if self.listen.stopped:
             return None
-        finer = finer or ShorterEdges.nowhere()
         found = _core.resample(
             on.surface,
             RegionMesh(self.mesh.points, self.mesh.tets, np.searchsorted(on.regions, self.mesh.regions)),
@@ -160,11 +181,13 @@ class LocalSearch:
         if self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
             return None
         self.work.add_start(len(found.mesh.tets))
-        start = self._pinned(found)
-        if restart is not None:
-            return self._stitched(start, found, restart)
+        return found
+
+    def _sound(self, found: ResampleResult, on: Reference) -> StratifiedMesh | None:
+        """The start, where it represents the domain."""
         if not self._represents_domain(found, on):
             return None
+        start = self._pinned(found)
         return start if self.held is None or self.held.is_in(start, np.unique(self.held.patch)) else None
 
     def _pinned(self, found: ResampleResult) -> StratifiedMesh:
