@@ -42,7 +42,10 @@ std::optional<Crossing> crossing(const Cloud &cloud, const domain::Reference &re
 class PlaneRecovery {
   public:
     PlaneRecovery(Cloud &cloud, const domain::Reference &reference)
-        : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {}
+        : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {
+        for (int patch = 0; patch < reference.patches(); ++patch)
+            parts_ = parts_ || inside(patch);
+    }
 
     /// The edge of the tet that passes through a plane of its other corners, if one does.
     void look_at(const Tet &tet) {
@@ -52,8 +55,8 @@ class PlaneRecovery {
         for (const auto &[i, j] : kEdges)
             for (int k = 0; k < 4; ++k)
                 for (const int patch : own[k]) // of an end there is none that the ends do not have
-                    if (reference_.planar(patch) && !has(own[i], patch) && !has(own[j], patch) &&
-                        mend(tet[i], tet[j], patch))
+                    if (reference_.planar(patch) && (parts_ || inside(patch)) && !has(own[i], patch) &&
+                        !has(own[j], patch) && mend(tet[i], tet[j], patch))
                         return;
     }
 
@@ -127,6 +130,9 @@ class PlaneRecovery {
     Cloud &cloud_;
     const domain::Reference &reference_;
     PointGrid grid_;
+    /// Whether there are interfaces. Where parts meet in a notch shorter edges do not help, and outer planes get points
+    /// too; in a body of one region they do.
+    bool parts_ = false;
     std::vector<char> keep_; // of the points there were at first
     int changes_ = 0;
 };

@@ -51,11 +51,16 @@ def patches_of_groups(mesh: TetMesh, own: Reference, on: Reference) -> dict[str,
 
 def planar_share(on: Reference) -> float:
     """The share of its area that is in planar patches."""
+    area = patch_areas(on)
+    return float(area[planar_patches(on)].sum() / area.sum())
+
+
+def planar_patches(on: Reference) -> Bools:
+    """(patches,) which are planar."""
     vectors = normals(on.points, on.strata.triangles) / 2.0
     sums = [np.bincount(on.strata.patch, axis, minlength=len(on.sides)) for axis in vectors.T]
-    area = patch_areas(on)
-    planar = np.linalg.norm(sums, axis=0) > _PLANAR * area
-    return float(area[planar].sum() / area.sum())
+    planar: Bools = np.linalg.norm(sums, axis=0) > _PLANAR * patch_areas(on)
+    return planar
 
 
 def patch_areas(on: Reference) -> Floats:

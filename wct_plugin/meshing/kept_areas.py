@@ -1,4 +1,4 @@
-"""Whether a search kept the areas of groups and interfaces: where it did not, another start may."""
+"""Whether a search kept the areas of plane groups and interfaces: where it did not, another start may."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -9,14 +9,17 @@ from wct_plugin.core.results import SearchResult
 from wct_plugin.measure.conserved import CHANGE
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import areas
-from wct_plugin.meshing.followed_surface import patch_areas, patches_of_groups
+from wct_plugin.meshing.followed_surface import patch_areas, patches_of_groups, planar_patches
 from wct_plugin.meshing.reference import Reference
 from wct_plugin.types import Bools, Floats
 
 
 @dataclass(frozen=True, eq=False)
 class KeptAreas:
-    """The areas of groups and interfaces on the surface that is followed."""
+    """The areas of groups and interfaces on the surface that is followed, of those that are plane all over.
+
+    Where the area of a curved one is another, its facets are too few: any other start has it so.
+    """
 
     members: Bools  #: (groups, patches) whether the patch is of the group
     wanted: Floats  #: (groups,) the area it has
@@ -30,11 +33,12 @@ class KeptAreas:
         groups += [(np.sort(on.sides, axis=1) == pair).all(axis=1) for pair in np.unique(between, axis=0)]
         members = np.array(groups, dtype=bool).reshape(-1, len(on.sides))
         wanted = members @ patch_areas(on)
-        return cls(members[wanted > 0.0], wanted[wanted > 0.0])
+        asked = (wanted > 0.0) & ~(members & ~planar_patches(on)).any(axis=1)
+        return cls(members[asked], wanted[asked])
 
     def holds(self, found: SearchResult) -> bool:
         """Whether none changed by more than is allowed; not asked where creases between patches were given up."""
-        if len(found.released):
+        if len(found.released) or not len(self.wanted):
             return True
         mesh = found.mesh
         area = np.bincount(mesh.facet_patch, areas(mesh.points, mesh.facets), minlength=self.members.shape[1])

@@ -50,7 +50,7 @@ _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
 #: Where more than this share of such a mesh is stuck, and not that many, no start has come back below it.
 _IN_VAIN = 0.005
-#: Where more than this share of the best is stuck, there are too few points: each start is finer than the last.
+#: Where more than this share of such a mesh is stuck, there are too few points: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
@@ -77,7 +77,7 @@ class LocalSearch:
     fixed: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: patches whose facets stay
     firm: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  #: creases never given up
     crease_angle: float = 180.0  #: in degrees: patches do not come to bend more
-    areas: KeptAreas | None = None  #: of groups and interfaces; None: nobody asks
+    areas: KeptAreas | None = None  #: of plane groups and interfaces; None: nobody asks
 
     @property
     def worth(self) -> float:
@@ -226,9 +226,9 @@ class LocalSearch:
         """What the search makes of a resampled start, and of others that are finer where the best of them is stuck.
 
         Where much of it is, its search goes on before that. Where the best is stuck in few places, the rest of it
-        stays, and creases that it gave up stay so. Where none is stuck, but groups or interfaces did not keep their
-        areas, another start is tried that differs by chance alone. What that may cost counts from here: where pairs of
-        sides are to match, one such search follows another.
+        stays, and creases that it gave up stay so. Where none is stuck, but plane groups or interfaces did not keep
+        their areas, another start is tried that differs by chance alone. What that may cost counts from here: where
+        pairs of sides are to match, one such search follows another.
         """
         several = len(on.regions) > 1 and len(start.tets) >= _SEVERAL_TETS
         self.work.begin_with(len(start.tets), planar_share(on) if several else 0.0)
@@ -254,7 +254,7 @@ class LocalSearch:
                 start, gone, (worth, part) = fewest.mesh, fewest.released, more
                 continue
             worth, part = self.worth, 1.0
-            coarse = len(fewest.stuck) > _TOO_FEW_POINTS * len(fewest.mesh.tets)
+            coarse = len(on.regions) > 1 and len(fewest.stuck) > _TOO_FEW_POINTS * len(fewest.mesh.tets)
             beside = found if coarse else fewest
             free = self._free(beside)
             share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else _AT_INTERFACES
