@@ -202,6 +202,13 @@ void Reference::find_planes() {
     }
 }
 
+bool Reference::has_inner() const {
+    for (int patch = 0; patch < patches(); ++patch)
+        if (inner(patch))
+            return true;
+    return false;
+}
+
 bool Reference::keeps(int patch, double tolerance) const {
     constexpr std::size_t root = 0;
     return planar_[patch] &&

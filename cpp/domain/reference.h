@@ -72,8 +72,11 @@ class Reference {
     bool planar(int patch) const { return planar_[patch]; }
     /// The region behind a patch's triangles and the one before, -1 is outside.
     const std::array<int, 2> &sides(int patch) const { return data_.sides[patch]; }
+    /// Whether regions, or one region, are on both sides of the patch.
+    bool inner(int patch) const { return data_.sides[patch][0] >= 0 && data_.sides[patch][1] >= 0; }
+    bool has_inner() const;
     /// Whether the patch lies inside a region.
-    bool sheet(int patch) const { return data_.sides[patch][0] >= 0 && data_.sides[patch][0] == data_.sides[patch][1]; }
+    bool sheet(int patch) const { return inner(patch) && data_.sides[patch][0] == data_.sides[patch][1]; }
     /// Whether no curved patch is beside the curve, as round a flat contact or sheet, and along a wire: its own corners
     /// are all there is to tell its course.
     bool bare(int curve) const {

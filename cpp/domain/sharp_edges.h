@@ -3,7 +3,6 @@
 #include "base/cells.h"
 #include "domain/reference.h"
 
-#include <span>
 #include <vector>
 
 namespace wct::domain {
@@ -48,13 +47,10 @@ class SharpEdges {
         Edge ends;
         std::array<int, 2> beside;
         double narrow;
-        bool shared = false; // with other regions
-        Vec3 middle = {};    // of the angle, where it is shared: the unit vector from the edge
-        double half = 0.0;   // of the angle, in radians
+        bool shared; // with other facets
+        Vec3 middle; // of the angle: the unit vector from the edge
+        double half; // of the angle, in radians
     };
-    void add(int segment, const SharpEdge &edge, std::vector<geometry::Box> &boxes);
-    /// Those of a crease where more than two facets meet.
-    void add_shared(int segment, std::span<const int> owners, bool outside, std::vector<geometry::Box> &boxes);
 
     const Reference &reference_;
     std::vector<SharpEdge> edges_;

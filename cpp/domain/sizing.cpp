@@ -337,8 +337,7 @@ void Sizing::limit_by_thickness(const Workers &workers) {
             limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
     // Where a layer's interface ends, the mean is that of the walls beside the layer, which are long.
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
-        const auto &[behind, before] = data.sides[data.patch[t]];
-        if (behind < 0 || before < 0 || behind == before)
+        if (!reference_.inner(data.patch[t]) || reference_.sheet(data.patch[t]))
             continue;
         for (const int at : data.triangles[t])
             if (layer_[at] > 0.0)

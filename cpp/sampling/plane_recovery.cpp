@@ -42,10 +42,7 @@ std::optional<Crossing> crossing(const Cloud &cloud, const domain::Reference &re
 class PlaneRecovery {
   public:
     PlaneRecovery(Cloud &cloud, const domain::Reference &reference)
-        : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {
-        for (int patch = 0; patch < reference.patches(); ++patch)
-            parts_ = parts_ || inside(patch);
-    }
+        : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {}
 
     /// The edge of the tet that passes through a plane of its other corners, if one does.
     void look_at(const Tet &tet) {
@@ -55,8 +52,8 @@ class PlaneRecovery {
         for (const auto &[i, j] : kEdges)
             for (int k = 0; k < 4; ++k)
                 for (const int patch : own[k]) // of an end there is none that the ends do not have
-                    if (reference_.planar(patch) && (parts_ || inside(patch)) && !has(own[i], patch) &&
-                        !has(own[j], patch) && mend(tet[i], tet[j], patch))
+                    if (reference_.planar(patch) && !has(own[i], patch) && !has(own[j], patch) &&
+                        mend(tet[i], tet[j], patch))
                         return;
     }
 
@@ -72,10 +69,6 @@ class PlaneRecovery {
     static bool has(const std::vector<int> &patches, int patch) {
         return std::binary_search(patches.begin(), patches.end(), patch);
     }
-    bool inside(int patch) const {
-        const auto &[behind, before] = reference_.data().sides[patch];
-        return behind >= 0 && before >= 0;
-    }
 
     /// Whether the edge passes through the patch; then it will no more, if it may be changed.
     bool mend(int v, int w, int patch) {
@@ -86,7 +79,7 @@ class PlaneRecovery {
             return true; // gone for another edge
         bool gone = false;
         for (const auto &[end, height] : {std::pair{v, found->heights[0]}, std::pair{w, found->heights[1]}})
-            if (cloud_.held[end] < Hold::all && (inside(patch) || cloud_.role[end] == Stratum::interior) &&
+            if (cloud_.held[end] < Hold::all && (reference_.inner(patch) || cloud_.role[end] == Stratum::interior) &&
                 height < least_height(end)) {
                 keep_[end] = 0;
                 ++changes_;
@@ -130,9 +123,6 @@ class PlaneRecovery {
     Cloud &cloud_;
     const domain::Reference &reference_;
     PointGrid grid_;
-    /// Whether there are interfaces. Where parts meet in a notch shorter edges do not help, and outer planes get points
-    /// too; in a body of one region they do.
-    bool parts_ = false;
     std::vector<char> keep_; // of the points there were at first
     int changes_ = 0;
 };
@@ -161,6 +151,10 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
 
 int recover_planes(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
                    const Workers &workers) {
+    // Where parts meet in a notch shorter edges do not help, and outer planes get points too; in a body of one region
+    // they do.
+    if (!reference.has_inner())
+        return 0;
     const std::vector<int> tets = tets_at_cuts(cloud, reference, complex);
     if (tets.empty())
         return 0;

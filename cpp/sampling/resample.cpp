@@ -40,9 +40,7 @@ std::vector<char> curved_points(const Cloud &cloud, const domain::Reference &ref
 
 /// Whether there are no creases, and no patch between two regions or in one.
 bool is_smooth(const domain::Reference &reference) {
-    const auto &sides = reference.data().sides;
-    return reference.curves().empty() &&
-           std::none_of(sides.begin(), sides.end(), [](const auto &side) { return side[0] >= 0 && side[1] >= 0; });
+    return reference.curves().empty() && !reference.has_inner();
 }
 
 bool has_curved_patches(const domain::Reference &reference) {

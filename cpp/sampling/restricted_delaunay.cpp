@@ -82,7 +82,7 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
     struct Candidate {
         int tet;
         unsigned hiding; // the only facets that may be on the boundary, two of them; 0: any
-        bool astray;
+        int least;       // so many must be
     };
     std::vector<Candidate> candidates;
     std::vector<int> open(cloud.count(), 0); // per point: its facets on the boundary
@@ -101,15 +101,15 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
             continue;
         if (flatness(cloud.points, tet) < kSliver &&
             (share_curved_patch(cloud, reference, tet) || reaches_along(cloud, reference, tet)))
-            candidates.push_back({t, 0, false});
+            candidates.push_back({t, 0, 1});
         else if (is_astray(cloud, reference, tet, complex.region[t]))
-            candidates.push_back({t, 0, true});
+            candidates.push_back({t, 0, 2});
         else if (const unsigned hiding = hiding_facets(cloud, reference, tet); std::popcount(hiding) > 1)
-            candidates.push_back({t, hiding, false});
+            candidates.push_back({t, hiding, 2});
     }
     for (bool again = true; again;) { // tets that were covered may lie open now
         again = false;
-        for (auto &[t, hiding, astray] : candidates) {
+        for (auto &[t, hiding, least] : candidates) {
             int outside = 0, facet = -1;
             unsigned bits = 0;
             for (int i = 0; i < 4; ++i)
@@ -120,9 +120,7 @@ void peel(const Cloud &cloud, const domain::Reference &reference, RestrictedDela
                 }
             if (hiding && (outside != 2 || (bits & ~hiding)))
                 continue;
-            if (astray && outside < 2)
-                continue;
-            if (outside == 0 || (outside == 1 && open[complex.all.tets[t][facet]] > 0))
+            if (outside < least || (outside == 1 && open[complex.all.tets[t][facet]] > 0))
                 continue;
             for (int i = 0; i < 4; ++i)
                 count(t, i, complex.beyond(t, i) < 0 ? -1 : 1);

@@ -127,8 +127,8 @@ class LatticeLevel {
             return;
         const domain::Foot foot = reference_.nearest(p, -1, hints.near);
         hints.near = foot.triangle;
-        const auto &[behind, before] = reference_.data().sides[reference_.data().patch[foot.triangle]];
-        const double depth = behind < 0 || before < 0 ? form_.least_depth : form_.interface_depth;
+        const bool inner = reference_.inner(reference_.data().patch[foot.triangle]);
+        const double depth = inner ? form_.interface_depth : form_.least_depth;
         if (foot.distance <= depth * cell_)
             return;
         const int region = map_.region(p, foot);

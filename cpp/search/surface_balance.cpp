@@ -126,6 +126,8 @@ std::vector<double> SurfaceBalance::missing_areas() const {
 
 void SurfaceBalance::keep_areas(double share) {
     const std::vector<std::vector<int>> rims = curved_rims();
+    if (std::all_of(rims.begin(), rims.end(), [](const std::vector<int> &rim) { return rim.empty(); }))
+        return;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         const std::vector<double> missing = missing_areas();
         bool any = false;

@@ -7,7 +7,7 @@ from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.index_arrays import find_rows
 from wct_plugin.mesh.triangle_surfaces import areas, normals
 from wct_plugin.meshing.reference import Reference
-from wct_plugin.types import Bools, Floats
+from wct_plugin.types import Bools, Floats, Ints
 
 #: A patch is planar where the sum of its facets as vectors is as long as their areas together, but for so much.
 _PLANAR = 1.0 - 1e-6
@@ -33,18 +33,21 @@ def enclosed_volumes(on: Reference) -> dict[str, float]:
 def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
     """By group of tagged facets, its area on the surface that is followed over that on the mesh's own facets."""
     on_area, own_area = patch_areas(on), patch_areas(own)
-    followed = patches_of_groups(mesh, own, on)
-    areas_of = {name: float(own_area[patches].sum()) for name, patches in patches_of_groups(mesh, own, own).items()}
-    return {name: float(on_area[followed[name]].sum()) / area for name, area in areas_of.items() if area}
+    out = {}
+    for name, patches in patches_of_groups(mesh, own).items():
+        area = float(own_area[patches].sum())
+        if area:
+            out[name] = float(on_area[np.isin(on.carried, patches)].sum()) / area
+    return out
 
 
-def patches_of_groups(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, Bools]:
-    """By group of tagged facets of the mesh, whose own surface is ``own``, (patches,) which of ``on`` it is."""
+def patches_of_groups(mesh: TetMesh, own: Reference) -> dict[str, Ints]:
+    """By group of tagged facets of the mesh, the patches of its own surface that it is."""
     if not len(mesh.facets):
         return {}
     row = find_rows(np.sort(own.strata.triangles, axis=1), np.sort(mesh.facets.vertices, axis=1), len(mesh.points))
     return {
-        name: np.isin(on.carried, np.unique(own.strata.patch[row[member & (row >= 0)]]))
+        name: np.unique(own.strata.patch[row[member & (row >= 0)]])
         for name, member in group_names(mesh, mesh.facets).items()
     }
 
@@ -52,14 +55,14 @@ def patches_of_groups(mesh: TetMesh, own: Reference, on: Reference) -> dict[str,
 def planar_share(on: Reference) -> float:
     """The share of its area that is in planar patches."""
     area = patch_areas(on)
-    return float(area[planar_patches(on)].sum() / area.sum())
+    return float(area[planar_patches(on, area)].sum() / area.sum())
 
 
-def planar_patches(on: Reference) -> Bools:
-    """(patches,) which are planar."""
+def planar_patches(on: Reference, area: Floats) -> Bools:
+    """(patches,) which are planar; ``area`` (patches,) of each."""
     vectors = normals(on.points, on.strata.triangles) / 2.0
     sums = [np.bincount(on.strata.patch, axis, minlength=len(on.sides)) for axis in vectors.T]
-    planar: Bools = np.linalg.norm(sums, axis=0) > _PLANAR * patch_areas(on)
+    planar: Bools = np.linalg.norm(sums, axis=0) > _PLANAR * area
     return planar
 
 

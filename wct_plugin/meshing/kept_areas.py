@@ -27,13 +27,13 @@ class KeptAreas:
     @classmethod
     def of(cls, mesh: TetMesh, own: Reference, on: Reference) -> Self:
         """Those of the mesh, whose own surface is ``own``, on the surface ``on``."""
-        groups = list(patches_of_groups(mesh, own, on).values())
-        between = np.sort(on.sides, axis=1)
-        between = between[(between[:, 0] >= 0) & (between[:, 0] < between[:, 1])]
-        groups += [(np.sort(on.sides, axis=1) == pair).all(axis=1) for pair in np.unique(between, axis=0)]
-        members = np.array(groups, dtype=bool).reshape(-1, len(on.sides))
-        wanted = members @ patch_areas(on)
-        asked = (wanted > 0.0) & ~(members & ~planar_patches(on)).any(axis=1)
+        groups = [np.isin(on.carried, patches) for patches in patches_of_groups(mesh, own).values()]
+        pairs = np.sort(on.sides, axis=1)
+        between = (pairs[:, 0] >= 0) & (pairs[:, 0] < pairs[:, 1])
+        groups += [(pairs == pair).all(axis=1) for pair in np.unique(pairs[between], axis=0)]
+        members, area = np.array(groups, dtype=bool).reshape(-1, len(on.sides)), patch_areas(on)
+        wanted = members @ area
+        asked = (wanted > 0.0) & ~members[:, ~planar_patches(on, area)].any(axis=1)
         return cls(members[asked], wanted[asked])
 
     def holds(self, found: SearchResult) -> bool:

@@ -244,22 +244,18 @@ class LocalSearch:
                 return tried
             fewest = best(tried)
             if not len(fewest.stuck):
-                other = self._for_areas(fewest, on, tolerance, lengths, finer, len(tried))
-                if other is None:
+                done = len(tried) > _FINER or self.areas is None or self.areas.holds(fewest)
+                again = None if done else self.resampled(on, tolerance, lengths, finer, attempt=len(tried))
+                if again is None:
                     return tried
-                start, gone, (worth, part) = other, gone[:0], (self.worth, 1.0)
+                start, gone, (worth, part) = again, gone[:0], (self.worth, 1.0)
                 continue
             more = self._more_of(on, tried) if worth == self.worth else None
             if more is not None:
                 start, gone, (worth, part) = fewest.mesh, fewest.released, more
                 continue
             worth, part = self.worth, 1.0
-            coarse = len(on.regions) > 1 and len(fewest.stuck) > _TOO_FEW_POINTS * len(fewest.mesh.tets)
-            beside = found if coarse else fewest
-            free = self._free(beside)
-            share = _SHARES[min(len(tried), len(_SHARES)) - 1] if len(on.regions) == 1 else _AT_INTERFACES
-            share = _SHARES[-1] if coarse else share
-            finer = finer.about(beside.mesh.points[free].mean(axis=1), share * beside.mesh.size[free].mean(axis=1))
+            finer = self._finer(on, tried, finer)
             again = None
             if len(tried) <= self._restarts(on, fewest):
                 gone = fewest.released
@@ -280,19 +276,15 @@ class LocalSearch:
             return 0
         return _FINER_HELD if self.held is not None else _FINER
 
-    def _for_areas(
-        self,
-        found: SearchResult,
-        on: Reference,
-        tolerance: Tolerance,
-        lengths: Lengths,
-        finer: ShorterEdges,
-        attempt: int,
-    ) -> StratifiedMesh | None:
-        """Another start, where areas were not kept; None where they were, or there is none."""
-        if self.areas is None or self.areas.holds(found) or attempt > _FINER:
-            return None
-        return self.resampled(on, tolerance, lengths, finer, attempt=attempt)
+    def _finer(self, on: Reference, tried: list[SearchResult], finer: ShorterEdges) -> ShorterEdges:
+        """Shorter edges too where the best is stuck; where there are too few points, where the last is."""
+        stuck_in, share = best(tried), _SHARES[min(len(tried), len(_SHARES)) - 1]
+        if len(on.regions) > 1:
+            share = _AT_INTERFACES
+            if len(stuck_in.stuck) > _TOO_FEW_POINTS * len(stuck_in.mesh.tets):
+                stuck_in, share = tried[-1], _SHARES[-1]
+        free, mesh = self._free(stuck_in), stuck_in.mesh
+        return finer.about(mesh.points[free].mean(axis=1), share * mesh.size[free].mean(axis=1))
 
     def _more_of(self, on: Reference, tried: list[SearchResult]) -> tuple[float, float] | None:
         """With what worth and part of the work the search from the last start goes on; None where it does not."""

@@ -43,12 +43,7 @@ Body wedge(double degrees, int parts, bool around = false) {
     for (Tet &t : tets)
         if (dot(points[t[1]] - points[t[0]], cross(points[t[2]] - points[t[0]], points[t[3]] - points[t[0]])) < 0.0)
             std::swap(t[2], t[3]);
-    // Faces by where they look, to within a few degrees.
-    const auto face_of = [](const Vec3 &, const Vec3 &n) {
-        const double turn = std::atan2(n.y, n.x) * 180.0 / std::numbers::pi;
-        return std::abs(n.z) > 0.5 ? (n.z > 0.0 ? 1000 : 1001) : static_cast<int>(std::lround(turn / 3.0));
-    };
-    return stratified(std::move(points), tets, std::vector<int>(tets.size(), 0), face_of);
+    return stratified(std::move(points), tets, std::vector<int>(tets.size(), 0), facing);
 }
 
 } // namespace

@@ -217,6 +217,13 @@ Body cut_ball(int n, double jitter, std::uint64_t seed) {
     return body;
 }
 
+namespace {
+/// The side of a cylinder, its lower and its upper end.
+int face_of_cylinder(const Vec3 &, const Vec3 &normal) {
+    return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
+}
+} // namespace
+
 Body cylinder(int n, double jitter, std::uint64_t seed) {
     Lattice made = lattice(n, jitter, seed, 2.0);
     for (Vec3 &p : made.points) {
@@ -225,10 +232,7 @@ Body cylinder(int n, double jitter, std::uint64_t seed) {
         p = {flat.x, flat.y, p.z};
     }
     std::vector<int> regions(made.tets.size(), 0);
-    Body body = stratified(std::move(made.points), std::move(made.tets), std::move(regions),
-                           [](const Vec3 &, const Vec3 &normal) {
-                               return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
-                           });
+    Body body = stratified(std::move(made.points), std::move(made.tets), std::move(regions), face_of_cylinder);
     body.size = 1.6 / n;
     return body;
 }
@@ -242,9 +246,12 @@ Body drum(int n) {
             z += 0.25 * whole.points[v].z;
         regions.push_back(z < 0.5);
     }
-    return stratified(whole.points, whole.tets, regions, [](const Vec3 &, const Vec3 &normal) {
-        return std::abs(normal.z) < 0.5 ? 0 : normal.z < 0.0 ? 1 : 2;
-    });
+    return stratified(whole.points, whole.tets, regions, face_of_cylinder);
+}
+
+int facing(const Vec3 &, const Vec3 &normal) {
+    const double turn = std::atan2(normal.y, normal.x) * 180.0 / std::numbers::pi;
+    return std::abs(normal.z) > 0.5 ? (normal.z > 0.0 ? 1000 : 1001) : static_cast<int>(std::lround(turn / 3.0));
 }
 
 Body round_axis(const std::vector<Turn> &turns, int parts) {
@@ -253,7 +260,8 @@ Body round_axis(const std::vector<Turn> &turns, int parts) {
     std::vector<int> of;
     for (std::size_t k = 0; k < turns.size(); ++k) {
         const double to = k + 1 < turns.size() ? turns[k + 1].from : turns[0].from + 360.0;
-        const int sectors = static_cast<int>(std::ceil((to - turns[k].from) / widest));
+        // No points where there is nothing.
+        const int sectors = turns[k].region < 0 ? 1 : static_cast<int>(std::ceil((to - turns[k].from) / widest));
         for (int i = 0; i < sectors; ++i) {
             at.push_back(turns[k].from + (to - turns[k].from) * i / sectors);
             of.push_back(turns[k].region);
@@ -302,21 +310,7 @@ Body round_axis(const std::vector<Turn> &turns, int parts) {
                 prism({{{ring, sector}, {ring, sector + 1}, {ring + 1, sector + 1}}}, layer, of[sector]);
             }
         }
-    std::vector<int> fresh(points.size(), -1);
-    std::vector<Vec3> used;
-    for (Tet &tet : tets)
-        for (int &v : tet) {
-            if (fresh[v] < 0) {
-                fresh[v] = static_cast<int>(used.size());
-                used.push_back(points[v]);
-            }
-            v = fresh[v];
-        }
-    // Faces by where they look, to within a few degrees.
-    Body body = stratified(std::move(used), tets, std::move(regions), [](const Vec3 &, const Vec3 &n) {
-        const double turn = std::atan2(n.y, n.x) * 180.0 / std::numbers::pi;
-        return std::abs(n.z) > 0.5 ? (n.z > 0.0 ? 1000 : 1001) : static_cast<int>(std::lround(turn / 3.0));
-    });
+    Body body = stratified(std::move(points), std::move(tets), std::move(regions), facing);
     body.size = 1.0 / parts;
     return body;
 }

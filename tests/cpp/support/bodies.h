@@ -51,6 +51,8 @@ Body cylinder(int n, double jitter, std::uint64_t seed);
 /// The cylinder in two regions, cut at half its height (n is even): there is a rim on its smooth side.
 Body drum(int n);
 
+/// Faces along the z axis by where they look, to within a few degrees.
+int facing(const Vec3 &middle, const Vec3 &normal);
 /// Regions round the z axis, as high and as far out as so many parts: from each turn (degrees, ascending) to the next
 /// there is the region of that turn, and none where that is negative.
 struct Turn {
