@@ -29,6 +29,7 @@ WORK = ROOT / "build" / "python_mutants"
 #: What is changed, and the tests that notice most of it; all the others come after them.
 MODULES = {
     "measure/quality.py": "measure/test_quality.py",
+    "measure/shape_polynomials.py": "measure/test_rounding_bounds.py",
     "measure/duals.py": "measure/test_duals.py",
     "exact/predicates.py": "exact",
     "exact/polynomial_signs.py": "exact",

@@ -11,7 +11,7 @@
 
 /// What a mesh is like, tet by tet. Nothing here is shared with what makes meshes better but the exact predicates: the
 /// formulas are those of wct_plugin/measure/quality.py, which measures the same in NumPy and is what this is tested
-/// against. Their derivation, and that of the bounds of rounding, stands there.
+/// against. Their derivation, and that of the bounds of rounding, stands in shape_polynomials.py beside it.
 namespace wct::measure {
 
 /// Where the measures of m tets go, an entry each. Angles in degrees; flags are exact.

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.fuzz import tie_case
 from benchmarks.fuzz.judge import ties
-from wct_plugin.measure import quality
+from wct_plugin.measure import shape_polynomials
 from wct_plugin.mesh import TetMesh
 from wct_plugin.reports.report import make_report
 
@@ -31,7 +31,7 @@ def test_cases_are_ties_and_lie_to_either_side_of_them() -> None:
         true = ties.told(points, tets)
         for name, seen in signs.items():
             seen |= set(getattr(true, name))
-        shapes = next(quality._chunks(points, tets)[1])[1]
+        shapes = next(shape_polynomials.in_chunks(points, tets)[1])[1]
         open_ = [np.abs(p) <= bound for p, bound in zip(shapes.heights(), shapes.height_bounds(), strict=True)]
         within += int(np.any(open_, axis=0).sum())
     assert all(seen == {-1, 0, 1} for seen in signs.values())

@@ -10,7 +10,7 @@ from support.builders import ball, bcc, jittered_cube, kuhn_cube, regular_tet, r
 from support.measures import MEASURES
 from support.printed import PAPER_TETS
 
-from wct_plugin.measure import quality
+from wct_plugin.measure import quality, shape_polynomials
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import EDGES, FACETS
 
@@ -162,7 +162,7 @@ def test_a_bigger_mesh_crosses_chunks():
     """More tets than are treated together: the same tet gives the same numbers wherever it stands."""
     mesh = kuhn_cube(12)  # 10368
     found = quality.measure(mesh)
-    assert len(found) > quality._CHUNK
+    assert len(found) > shape_polynomials.CHUNK
     for name in MEASURES:
         values = getattr(found, name)
         assert np.ptp(values) < 1e-9

@@ -7,7 +7,7 @@ import pytest
 from support.builders import ball, jittered_cube, rotation
 from support.rounding import EPS, counted
 
-from wct_plugin.measure import quality
+from wct_plugin.measure import quality, shape_polynomials
 from wct_plugin.measure.duals import compute_duals, dual_lengths
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import FACETS, OPPOSITE_EDGES
@@ -29,7 +29,7 @@ def _points(seed, flatness, count=40):
 def _both(points):
     """The shapes of tets in floating point, and the same code run on numbers that count its roundings."""
     tets = np.arange(len(points)).reshape(-1, 4)
-    return quality._Shapes(points.T, tets), quality._Shapes(counted(points.T), tets)
+    return shape_polynomials.Shapes(points.T, tets), shape_polynomials.Shapes(counted(points.T), tets)
 
 
 @pytest.mark.parametrize("name", SIGNS)
@@ -74,13 +74,13 @@ def test_a_height_is_unknown_where_its_divisor_is_in_doubt_by_a_quarter():
     points[:, 3, 2] += 10.0 ** rng.uniform(-15.5, -13.5, 3000)
     points = points.reshape(-1, 3)
     tets = np.arange(len(points)).reshape(-1, 4)
-    shapes = quality._Shapes(points.T, tets)
+    shapes = shape_polynomials.Shapes(points.T, tets)
     with np.errstate(divide="ignore"):
         doubt = 10 * float(EPS) * shapes.det_size / np.abs(shapes.det)
     unknown = np.isinf(quality.heights(points, tets)[1])
     sharper = 10 * float(EPS) * 30  # what a normal's own doubt may add, in triangles that are not slender
     slender = np.max(
-        [np.sqrt(quality._dot(s, s)) / a for s, a in zip(shapes.normal_sizes, shapes.areas, strict=True)], 0
+        [np.sqrt(shape_polynomials.dot(s, s)) / a for s, a in zip(shapes.normal_sizes, shapes.areas, strict=True)], 0
     )
     fat = slender < 30
     assert unknown[fat & (doubt >= 0.25)].all()
