@@ -90,6 +90,15 @@ bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const F
            std::none_of(facet.begin(), facet.end(), [&](int v) { return on_curved(cloud, reference, v); });
 }
 
+bool is_astray(const Cloud &cloud, const domain::Reference &reference, const Tet &tet, int region) {
+    return std::any_of(tet.begin(), tet.end(), [&](int v) {
+        if (cloud.role[v] != Stratum::patch)
+            return false;
+        const auto &[behind, before] = reference.sides(cloud.label[v]);
+        return region != behind && region != before;
+    });
+}
+
 std::vector<char> on_wires(const Cloud &cloud, const domain::Reference &reference) {
     std::vector<char> ends(reference.data().points.size(), 0);
     for (std::size_t c = 0; c < reference.curves().size(); ++c) {

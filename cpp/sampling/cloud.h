@@ -54,6 +54,9 @@ bool on_curved(const Cloud &cloud, const domain::Reference &reference, int point
 std::vector<int> shared_patches(const Cloud &cloud, const domain::Reference &reference, std::span<const int> points);
 /// Whether a facet cuts across from one planar patch to another: its corners share none, and no curved one is there.
 bool cuts_across(const Cloud &cloud, const domain::Reference &reference, const Facet &facet);
+/// Whether a tet of this region has a corner on a patch of others, as one does that lies on the rim where they meet, or
+/// round an edge that passes through a plane beside it.
+bool is_astray(const Cloud &cloud, const domain::Reference &reference, const Tet &tet, int region);
 
 /// Which points are on wires, curves inside a region with no patch beside, their ends too.
 std::vector<char> on_wires(const Cloud &cloud, const domain::Reference &reference);

@@ -127,11 +127,16 @@ class PlaneRecovery {
     int changes_ = 0;
 };
 
-/// Tets beside facets that cut across from one planar patch to another.
+/// Tets beside facets that cut across from one planar patch to another, and those that are astray: a plane that ends on
+/// curved sides has an edge of theirs pass through it.
 std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &reference,
                               const RestrictedDelaunay &complex) {
     std::vector<int> tets;
-    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t)
+    for (int t = 0; t < static_cast<int>(complex.all.tets.size()); ++t) {
+        const Tet &tet = complex.all.tets[t];
+        if (complex.region[t] >= 0 && is_astray(cloud, reference, tet, complex.region[t]) &&
+            std::any_of(tet.begin(), tet.end(), [&](int v) { return on_curved(cloud, reference, v); }))
+            tets.push_back(t);
         for (int i = 0; i < 4; ++i) {
             if (!complex.on_surface(t, i))
                 continue;
@@ -143,6 +148,7 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
             if (complex.all.neighbours[t][i] >= 0)
                 tets.push_back(complex.all.neighbours[t][i]);
         }
+    }
     sort_unique(tets);
     return tets;
 }

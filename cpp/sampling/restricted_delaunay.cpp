@@ -53,16 +53,6 @@ bool reaches_along(const Cloud &cloud, const domain::Reference &reference, const
     });
 }
 
-/// Whether a tet of this region has a corner on a patch of others, as one that lies on the rim where they meet.
-bool is_astray(const Cloud &cloud, const domain::Reference &reference, const Tet &tet, int region) {
-    return std::any_of(tet.begin(), tet.end(), [&](int v) {
-        if (cloud.role[v] != Stratum::patch)
-            return false;
-        const auto &[behind, before] = reference.sides(cloud.label[v]);
-        return region != behind && region != before;
-    });
-}
-
 /// Of a tet on curved patches, the facets whose corners share none: bits by the corner opposite. On the boundary they
 /// hide a crease, as a rim where the regions on a smooth side meet.
 unsigned hiding_facets(const Cloud &cloud, const domain::Reference &reference, const std::array<int, 4> &tet) {

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from support.boxes import CUBE, box, cube_surface
 from support.builders import ball, fin, kuhn_cube, l_shape
 from support.core_meshes import FACETS, NO_LABELS, NO_SEGMENTS, completely_well_centered, sampled, start
-from support.gmsh_bodies import ball_in_box
+from support.gmsh_bodies import ball_in_box, via
 
 from wct_plugin.core import _core
 from wct_plugin.core.domain import RegionMesh, StratifiedMesh, StratifiedSurface
@@ -412,3 +412,24 @@ def test_no_facet_fills_a_right_angle_of_a_face(mesh):
                 p, q = points[a] - points[v], points[b] - points[v]
                 filled += p @ q < 0.02 * np.linalg.norm(p) * np.linalg.norm(q)
     assert filled == 0
+
+
+def test_no_edge_passes_through_a_plane_that_ends_on_curved_sides(tmp_path):
+    """Where four parts meet round a coarse rod, facets between layers lie in their plane."""
+    mesh = via(tmp_path, 0.12)
+    own = own_boundary(mesh, 40.0)
+    region = {tuple(sorted(pair)) for pair in own.sides}
+    for seed in range(6):
+        made = start(mesh, own, tolerance=7e-3, seed=seed).mesh
+        new = TetMesh(made.points, made.tets, made.regions)
+        facets = new.topology.interfaces
+        sides = np.sort(new.regions[new.topology.interface_pairs[:, [0, 2]]], axis=1)
+        assert {tuple(pair) for pair in sides} <= region
+        across = (sides == _layers(new)).all(axis=1)
+        assert np.abs(new.points[facets[across]][..., 2] - 0.4).max() < 1e-9
+
+
+def _layers(mesh):
+    """The regions that reach a corner of the plate: the two layers."""
+    corner = np.abs(mesh.points[:, :2]).max(axis=1) < 1e-9
+    return np.unique(mesh.regions[corner[mesh.tets].any(axis=1)])

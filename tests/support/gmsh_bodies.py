@@ -38,6 +38,17 @@ def ball_in_box(folder: Path, size: float) -> TetMesh:
     return meshed(folder, build, size)
 
 
+def via(folder: Path, size: float) -> TetMesh:
+    """A plate of two layers, the lower one .4 and the upper .2 thick, and a rod of radius .15 half through each."""
+
+    def build() -> None:
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 0.4)
+        gmsh.model.occ.addBox(0, 0, 0.4, 1, 1, 0.2)
+        gmsh.model.occ.addCylinder(0.5, 0.5, 0.2, 0, 0, 0.4, 0.15)
+
+    return meshed(folder, build, size)
+
+
 def layered_box(folder: Path, thickness: float, size: float) -> TetMesh:
     """A unit square .5 high with a layer on it."""
 

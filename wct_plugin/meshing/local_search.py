@@ -176,9 +176,9 @@ class LocalSearch:
             kept=restart and restart.request,
             held=self.held and self.held.request,
             progress=self.listen.resample,
-            expected=self.limit.expect,
+            expected=lambda tets: self.work.takes(tets) and self.limit.expect(tets),
         )
-        if self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
+        if not len(found.mesh.tets) or self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
             return None
         self.work.add_start(len(found.mesh.tets))
         return found
