@@ -11,6 +11,8 @@ import wct_plugin as wct
 from wct_plugin.core import _core
 from wct_plugin.core.requests import SearchOptions
 from wct_plugin.errors import WctWarning
+from wct_plugin.meshing.phase_progress import Listener
+from wct_plugin.meshing.tet_limit import TetLimit
 
 
 def run(mesh, **options):
@@ -107,3 +109,18 @@ def test_without_a_limit_absurd_sizes_are_refused_with_the_number_that_allows_th
 
     run(mesh, edge_length=1e-2, max_tets=allowed, progress=stop_at_once)
     assert begun[-1] == result.stages[-1].metrics["estimate"]
+
+
+def test_other_starts_are_not_much_larger_than_the_first():
+    limit = TetLimit(None, 10_000, Listener(lambda _: True, 0))
+    assert limit.expect(20_000)
+    assert limit.expect(50_000)  # which does not count: else each could be three times the one before
+    assert limit.expect(3 * 20_000)
+    assert not limit.expect(3 * 20_000 + 1)
+
+
+def test_of_few_tets_there_may_be_many_times_more():
+    limit = TetLimit(None, 100, Listener(lambda _: True, 0))
+    assert limit.expect(200)
+    assert limit.expect(25_000)
+    assert not limit.expect(25_001)

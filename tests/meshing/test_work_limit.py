@@ -49,15 +49,6 @@ def test_what_begins_anew_has_all_of_it_again():
     assert limit.left == left
 
 
-def test_other_starts_are_not_much_larger_than_the_first():
-    limit = WorkLimit(10_000, effort=1)
-    assert limit.takes(1e9)
-    limit.begin_with(20_000)
-    limit.add_start(50_000)  # which does not count: else each could be three times the one before
-    assert limit.takes(3 * 20_000)
-    assert not limit.takes(3 * 20_000 + 1)
-
-
 def test_where_it_ends_a_search_the_goal_says_so(monkeypatch):
     monkeypatch.setattr(work_limit, "_BASE", 1_000)
     monkeypatch.setattr(work_limit, "_PER_TET", 0)

@@ -157,7 +157,7 @@ class LocalSearch:
         restart: PartialRestart | None,
         attempt: int,
     ) -> ResampleResult | None:
-        """What the core makes; None where it is stopped, or that has too many tets."""
+        """What the core makes; None where it is not begun, or stopped, or that has too many tets."""
         if self.listen.stopped:
             return None
         found = _core.resample(
@@ -176,7 +176,7 @@ class LocalSearch:
             kept=restart and restart.request,
             held=self.held and self.held.request,
             progress=self.listen.resample,
-            expected=lambda tets: self.work.takes(tets) and self.limit.expect(tets),
+            expected=self.limit.expect,
         )
         if not len(found.mesh.tets) or self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
             return None

@@ -12,6 +12,9 @@ _SURELY = 1.25
 #: Nor, where nobody named a limit, with more than so many tets, if that is so many times those that came: a layer of a
 #: thousandth of the body, or an edge length in the wrong unit, would take hours and all memory.
 _MANY, _TIMES = 2_000_000, 20
+#: Another start is expected to have at most so many times the tets of the first, or of what came: with more, of several
+#: thousand, more are left bad, and each that is finer still takes several times the work. Of few there may be more.
+_GROWTH, _FEW = 3.0, 25_000
 
 
 class TetLimit:
@@ -32,6 +35,8 @@ class TetLimit:
         """Hear about how many tets a start will have; whether to make it."""
         if self.expected is None:
             self.expected = round(tets)
+        elif tets > max(_FEW, _GROWTH * max(self.expected, self._came)):
+            return False
         begun = max(_MANY, _TIMES * self._came) if self.most is None else _SURELY * self.most
         if tets > begun:
             self._refuse(tets, f"about {_rounded(tets)}")

@@ -1,7 +1,5 @@
 """How long a search may go on: counted in work, not in seconds, so that its result is the same on any machine."""
 
-import math
-
 #: Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. On curved
 #: surfaces 4 to 9 of them take a microsecond, with what is asked of the surface for each, between planes 15 to 20: so
 #: all together ends within some 5 s and 5 ms per tet of CPU time.
@@ -12,10 +10,6 @@ _BASE_PLANAR = 85_000_000
 _PER_TET_PLANAR = 75_000
 #: What making a start costs, in evaluations per tet of it.
 _START = 1_500
-#: Another start has at most so many times the tets of the first: with more, of several thousand, more are left bad, and
-#: each start that is finer still takes several times the work. To a mesh of few tets this does not apply.
-_GROWTH = 3.0
-_FEW = 25_000
 
 
 class WorkLimit:
@@ -27,7 +21,6 @@ class WorkLimit:
         self._effort = effort
         self._planar = 0.0
         self._spent = 0
-        self._most = math.inf
         self.reached = False  #: whether a search or a start was cut off
 
     @property
@@ -42,11 +35,6 @@ class WorkLimit:
         self._spent = 0
         self._planar = planar
         self.add_start(tets)
-        self._most = max(_FEW, _GROWTH * self._tets)
-
-    def takes(self, tets: float) -> bool:
-        """Whether another start may have so many tets; the first may have any number."""
-        return tets <= self._most
 
     def add_start(self, tets: int) -> None:
         """Count a start of so many tets."""
