@@ -181,13 +181,13 @@ void divide(Cloud &cloud, const domain::Reference &reference, int corner, int pa
 } // namespace
 
 void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
-                  const domain::Sizing &sizing) {
+                  const domain::Sizing &sizing, std::span<const int> divided) {
     const auto openings = openings_of(reference);
     const auto spokes = spokes_of(cloud, reference);
     for (const auto &[corner, around] : spokes)
         even_sharp(cloud, reference, corner, around);
     for (const auto &[corner, around] : spokes) {
-        if (cloud.role[corner] != Stratum::corner)
+        if (cloud.role[corner] != Stratum::corner || std::binary_search(divided.begin(), divided.end(), corner))
             continue;
         // At the ends of longer creases there is room for points to find their places.
         const std::vector<Octant> octants = sizing.at_layer(cloud.label[corner])

@@ -59,6 +59,16 @@ def layered_box(folder: Path, thickness: float, size: float) -> TetMesh:
     return meshed(folder, build, size)
 
 
+def boxes(folder: Path, corners: list[tuple[float, ...]], size: float) -> TetMesh:
+    """Boxes, each by its lowest and its highest corner, a region each; a later one takes its place from those before."""
+
+    def build() -> None:
+        for x, y, z, *high in corners:
+            gmsh.model.occ.addBox(x, y, z, high[0] - x, high[1] - y, high[2] - z)
+
+    return meshed(folder, build, size)
+
+
 def embedded(folder: Path, build: Callable[[], list[tuple[int, int]]], size: float) -> TetMesh:
     """The unit cube with what ``build`` adds inside it, sheets or curves (dimension, tag): facets or edges tagged 2."""
 

@@ -1,6 +1,7 @@
 #include "sampling/resample.h"
 
 #include "geometry/euler_characteristic.h"
+#include "geometry/predicates.h"
 #include "sampling/surface_fit.h"
 #include "sampling/tet_estimate.h"
 #include "support/bench.h"
@@ -11,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -122,6 +124,32 @@ TEST_CASE("Resample: a start is sound, in strata, near its surface, and the same
     CHECK(threaded.body.points == start.body.points);
     CHECK(threaded.body.tets == start.body.tets);
     CHECK_FALSE(resampled(body, tolerance, 1, 2).body.points == start.body.points);
+}
+
+TEST_CASE("Seeds round the rim of an interface come right before anything moves") {
+    const Domain domain(cube(8, 0.0, 1, 0.5), 0.01);
+    const sampling::Cloud cloud = domain.seeds(2, 3);
+    const auto complex = sampling::restricted_delaunay(cloud, domain.reference, domain.map, Workers(2));
+    const auto on_rim = [&](int v) {
+        const Vec3 &p = cloud.points[v];
+        return p.x == 0.5 && (p.y == 0.0 || p.y == 1.0 || p.z == 0.0 || p.z == 1.0);
+    };
+    int tets = 0, bad = 0;
+    for (std::size_t t = 0; t < complex.all.tets.size(); ++t) {
+        const Tet &tet = complex.all.tets[t];
+        if (complex.region[t] < 0 || std::none_of(tet.begin(), tet.end(), on_rim))
+            continue;
+        std::array<Vec3, 4> p;
+        for (int i = 0; i < 4; ++i)
+            p[i] = cloud.points[tet[i]];
+        bool good = geometry::contains_circumcenter(p[0], p[1], p[2], p[3]);
+        for (const auto &f : kFacets)
+            good = good && geometry::acute(p[f[0]], p[f[1]], p[f[2]]);
+        ++tets;
+        bad += !good;
+    }
+    CHECK(tets > 150);
+    CHECK(bad == 0);
 }
 
 TEST_CASE("Resample: two regions meet in whole facets on their plane") {

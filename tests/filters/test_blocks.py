@@ -1,0 +1,40 @@
+"""Bodies made of boxes, where interfaces meet each other and the outside at right angles: all come right, whole."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from support.gmsh_bodies import boxes
+
+import wct_plugin as wct
+from wct_plugin.measure import quality
+
+EIGHT = [(*low, *(edge + 1 for edge in low)) for low in product((0, 1), repeat=3)]
+INSIDE = [(0, 0, 0, 1, 1, 1), (0.2, 0.25, 0.3, 0.55, 0.65, 0.8)]
+BRICKS = [(0, 0, 0, 1, 1, 1), (1, 0, 0, 3, 1, 1), (0, 0, 1, 2, 1, 2), (2, 0, 1, 3, 1, 2)]
+AT_WALL = [(0, 0, 0, 1, 1, 1), (0, 0, 0.4, 0.5, 0.5, 1)]
+
+
+def turned(mesh, axis, degrees):
+    """Turned about an axis through the origin (Rodrigues' formula)."""
+    x, y, z = np.asarray(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angle = np.radians(degrees)
+    matrix = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return mesh.altered(points=mesh.points @ matrix.T)
+
+
+@pytest.mark.parametrize(
+    ("corners", "size", "angle"),
+    [(EIGHT, 0.34, 0), (EIGHT, 0.3, 33), (INSIDE, 0.15, 0), (BRICKS, 0.34, 0), (AT_WALL, 0.15, 20)],
+    ids=["eight", "eight turned", "one inside", "bricks", "at a wall"],
+)
+def test_blocks_come_right(tmp_path, corners, size, angle):
+    mesh = turned(boxes(tmp_path, corners, size), (1, 2, 3), angle)
+    out, metrics = wct.apply_filter("meshing_well_centered", mesh)
+    measured = quality.measure(out)
+    assert measured.completely_well_centered.all()
+    assert metrics["losses"] == []
+    before = np.bincount(mesh.regions, quality.measure(mesh).volume)
+    assert np.bincount(out.regions, measured.volume) == pytest.approx(before, rel=1e-9)
+    assert len(out.tets) < 2.5 * len(mesh.tets)
