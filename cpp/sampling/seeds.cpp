@@ -199,7 +199,7 @@ Cloud make_seeds(const domain::Reference &reference, const domain::RegionMap &ma
     if (held)
         held->put(cloud, sizing);
     seed_sharp_rows(cloud, reference, sizing);
-    seed_corners(cloud, reference, map, sizing, seed_square_rows(cloud, reference, map));
+    seed_corners(cloud, reference, map, sizing, seed_square_rows(cloud, reference, map, sizing));
     seed_patches(cloud, reference, sizing, form, renewal, random, monitor);
     seed_inside(cloud, reference, map, sizing, form, renewal, random, monitor, workers);
     seed_walls(cloud, reference, map, sizing, 1.0 / form.edge_per_cell, workers);

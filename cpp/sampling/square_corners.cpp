@@ -19,6 +19,16 @@ bool all_square(const std::vector<Spoke> &spokes) {
     return true;
 }
 
+/// Whether creases square to each other are no longer than two steps: the octants at the corners of a side between them
+/// leave no room for the point that its middle wants.
+bool is_cramped(const std::vector<Spoke> &spokes) {
+    for (const Spoke &one : spokes)
+        for (const Spoke &other : spokes)
+            if (one.steps <= 2 && other.steps <= 2 && std::fabs(dot(one.way, other.way)) < std::sin(kSquare))
+                return true;
+    return false;
+}
+
 } // namespace
 
 std::map<int, std::vector<Spoke>> square_corners(Cloud &cloud, const domain::Reference &reference,
@@ -28,15 +38,16 @@ std::map<int, std::vector<Spoke>> square_corners(Cloud &cloud, const domain::Ref
         const auto &chain = chains[c];
         if (reference.curves()[c].closed || chain.size() < 2)
             continue;
-        const bool alone = chain.size() > 3; // no corner's, nor the one next to the other end
+        const int steps = static_cast<int>(chain.size()) - 1;
         const auto add = [&](int corner, int next) {
             const Vec3 way = cloud.points[next] - cloud.points[corner];
-            corners[corner].push_back({c, next, alone && cloud.held[next] == Hold::none, unit(way), norm(way)});
+            corners[corner].push_back(
+                {c, next, steps, steps > 2 && cloud.held[next] == Hold::none, unit(way), norm(way)});
         };
         add(chain.front().point, chain[1].point);
         add(chain.back().point, chain[chain.size() - 2].point);
     }
-    std::erase_if(corners, [](const auto &corner) { return !all_square(corner.second); });
+    std::erase_if(corners, [](const auto &corner) { return !all_square(corner.second) || is_cramped(corner.second); });
     for (auto &[corner, spokes] : corners) {
         const auto shorter = [](const Spoke &a, const Spoke &b) { return a.length < b.length; };
         const double most = kUneven * std::min_element(spokes.begin(), spokes.end(), shorter)->length;

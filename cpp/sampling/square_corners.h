@@ -14,13 +14,14 @@ inline constexpr double kSquare = 0.26;
 struct Spoke {
     int curve;
     int next;   // point on it
+    int steps;  // of the crease
     bool moves; // whether that may be put elsewhere
     Vec3 way;
     double length;
 };
 
-/// The creases at corners where all are square to each other or in one line, by the corner's point. Their first steps
-/// are made about as long as the shortest of them is.
+/// The creases at corners where all are square to each other or in one line and have room, by the corner's point. Their
+/// first steps are made about as long as the shortest of them is.
 std::map<int, std::vector<Spoke>> square_corners(Cloud &cloud, const domain::Reference &reference,
                                                  const std::vector<std::vector<CurveStop>> &chains);
 

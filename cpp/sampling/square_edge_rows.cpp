@@ -49,8 +49,9 @@ using Sides = std::array<Side, kQuarters>;
 /// Places the rows of one crease after the other.
 class SquareRows {
   public:
-    SquareRows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map)
-        : cloud_(cloud), reference_(reference), map_(map), edges_(reference.data().triangles) {}
+    SquareRows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
+               const domain::Sizing &sizing)
+        : cloud_(cloud), reference_(reference), map_(map), sizing_(sizing), edges_(reference.data().triangles) {}
 
     /// Returns the corners with octants, ascending.
     std::vector<int> seed() {
@@ -67,10 +68,15 @@ class SquareRows {
     static constexpr double kApart = 0.4;  // of the size, from other points
     static constexpr double kDepth = 0.45; // in steps, of points inside from the surface
     static constexpr double kOff = 0.1;    // in steps: farther from its patch a point is none of it
+    static constexpr double kRoom = 0.9;   // in steps, of points of patches from other creases
     static constexpr double kBend = 0.3;   // greatest step per radius of the crease
 
     void along(int curve, const std::vector<CurveStop> &chain) {
-        if (chain.size() < 3)
+        if (chain.size() < 3 || !meets_interface(curve) || at_layer(curve))
+            return;
+        curve_ = curve;
+        const bool closed = reference_.curves()[curve].closed, brief = !closed && chain.size() == 3;
+        if (brief && (!corners_.contains(chain.front().point) || !corners_.contains(chain.back().point)))
             return;
         std::vector<Step> steps;
         std::vector<Sides> sides;
@@ -81,8 +87,9 @@ class SquareRows {
         }
         for (const CurveStop &stop : chain)
             cloud_.held[stop.point] = std::max(cloud_.held[stop.point], Hold::relaxation);
-        const bool closed = reference_.curves()[curve].closed;
         const std::size_t last = steps.size() - 1;
+        if (brief)
+            put_between(steps[0], sides[0]);
         for (std::size_t k = 0; k <= last; ++k)
             if (closed)
                 go_on(steps[k], sides[k], false, false);
@@ -94,6 +101,23 @@ class SquareRows {
                 if (k == last)
                     begin(chain.back().point, steps[k].from, steps[k], sides[k]);
             }
+    }
+
+    /// Whether an interface has the crease, or one end of it.
+    bool meets_interface(int curve) const {
+        const auto any_inner = [&](const std::vector<int> &patches) {
+            return std::any_of(patches.begin(), patches.end(), [&](int patch) { return reference_.inner(patch); });
+        };
+        const auto &vertices = reference_.curves()[curve].vertices;
+        return any_inner(reference_.patches_at_curve(curve)) ||
+               any_inner(reference_.patches_at_vertex(vertices.front())) ||
+               any_inner(reference_.patches_at_vertex(vertices.back()));
+    }
+
+    /// Whether the crease ends at a layer, whose corners have points of their own.
+    bool at_layer(int curve) const {
+        const auto &vertices = reference_.curves()[curve].vertices;
+        return sizing_.at_layer(vertices.front()) || sizing_.at_layer(vertices.back());
     }
 
     Step step_between(int a, int b) const {
@@ -177,14 +201,36 @@ class SquareRows {
         }
     }
 
+    /// Where the first step is the last but one: what the octants of both corners have between them.
+    void put_between(const Step &step, const Sides &sides) {
+        for (int q = 0; q < kQuarters; ++q) {
+            const Vec3 both = step.length * (sides[q].away + sides[(q + 1) % kQuarters].away);
+            put_inside(step.to + kMiddleOff * both, step, sides[q].region);
+        }
+    }
+
     void put_on_side(const Vec3 &p, const Step &step, const Side &side) {
         if (side.patch < 0) {
             put_inside(p, step, side.region);
             return;
         }
         const domain::Foot on = reference_.nearest(p, side.patch);
-        if (on.distance < kOff * step.length)
+        if (on.distance < kOff * step.length && has_room(on.point, step, side.patch))
             put(on.point, step, Stratum::patch, side.patch);
+    }
+
+    /// Whether the creases of the patch that have no end in common with this one are far enough.
+    bool has_room(const Vec3 &p, const Step &step, int patch) const {
+        const auto &own = reference_.curves()[curve_].vertices;
+        const auto is_end = [&](int v) { return v == own.front() || v == own.back(); };
+        for (int c = 0; c < static_cast<int>(reference_.curves().size()); ++c) {
+            const auto &patches = reference_.patches_at_curve(c);
+            const auto &other = reference_.curves()[c].vertices;
+            if (std::binary_search(patches.begin(), patches.end(), patch) && !is_end(other.front()) &&
+                !is_end(other.back()) && reference_.nearest_on_curve(p, c).distance < kRoom * step.length)
+                return false;
+        }
+        return true;
     }
 
     void put_inside(const Vec3 &p, const Step &step, int region) {
@@ -203,16 +249,19 @@ class SquareRows {
     Cloud &cloud_;
     const domain::Reference &reference_;
     const domain::RegionMap &map_;
+    const domain::Sizing &sizing_;
     const geometry::TriangleEdges edges_;
     std::map<int, std::vector<Spoke>> corners_;
     std::set<int> begun_;
+    int curve_ = -1; // whose rows are placed
     PointGrid grid_;
 };
 
 } // namespace
 
-std::vector<int> seed_square_rows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map) {
-    return reference.has_inner() ? SquareRows(cloud, reference, map).seed() : std::vector<int>{};
+std::vector<int> seed_square_rows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
+                                  const domain::Sizing &sizing) {
+    return reference.has_inner() ? SquareRows(cloud, reference, map, sizing).seed() : std::vector<int>{};
 }
 
 } // namespace wct::sampling

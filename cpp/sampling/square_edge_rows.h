@@ -17,6 +17,7 @@ namespace wct::sampling {
 /// its ends. On every patch that meets at a crease there is one such corner per step, and a tet that fills a quarter
 /// comes right only if its two are about as far along. Where several regions meet, relaxation finds that by luck alone.
 /// Returns the corners, ascending.
-std::vector<int> seed_square_rows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map);
+std::vector<int> seed_square_rows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
+                                  const domain::Sizing &sizing);
 
 } // namespace wct::sampling
