@@ -60,7 +60,7 @@ def layered_box(folder: Path, thickness: float, size: float) -> TetMesh:
 
 
 def boxes(folder: Path, corners: list[tuple[float, ...]], size: float) -> TetMesh:
-    """Boxes, each by its lowest and its highest corner, a region each; a later one takes its place from those before."""
+    """Boxes, each by its lowest and its highest corner, cut by each other: a region per part."""
 
     def build() -> None:
         for x, y, z, *high in corners:
