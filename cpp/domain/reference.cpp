@@ -306,6 +306,15 @@ double Reference::ray(const Vec3 &p, const Vec3 &direction, double least, int &t
         });
 }
 
+Vec3 Reference::away(int triangle, const Edge &edge, const Vec3 &along) const {
+    for (const int v : data_.triangles[triangle])
+        if (v != edge[0] && v != edge[1]) {
+            const Vec3 d = data_.points[v] - data_.points[edge[0]];
+            return unit(d - dot(d, along) * along);
+        }
+    return {};
+}
+
 Vec3 Reference::smooth_normal(const Foot &foot) const {
     const int patch = data_.patch[foot.triangle];
     if (planar_[patch])

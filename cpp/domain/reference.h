@@ -96,6 +96,8 @@ class Reference {
     /// First hit of a ray beyond `least`: distance and triangle (-1: none).
     double ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const;
 
+    /// The unit vector along a triangle, square to a direction, away from the edge of it that runs that way.
+    Vec3 away(int triangle, const Edge &edge, const Vec3 &along) const;
     /// Unit normal of the triangle, and the smooth one: corner normals interpolated (planar patches: the plane's own).
     const Vec3 &normal(int triangle) const { return normals_[triangle]; }
     Vec3 smooth_normal(const Foot &foot) const;

@@ -26,14 +26,10 @@ struct Leaf {
 /// The facets round the edge from v to w, in the order in which a turn about it meets them.
 std::vector<Leaf> leaves(const Reference &reference, int v, int w, std::span<const int> triangles) {
     const auto &data = reference.data();
-    const Vec3 from = data.points[v], along = unit(data.points[w] - from);
+    const Vec3 along = unit(data.points[w] - data.points[v]);
     std::vector<Leaf> out;
     for (const int t : triangles) {
-        Vec3 away;
-        for (const int u : data.triangles[t])
-            if (u != v && u != w)
-                away = data.points[u] - from;
-        away = unit(away - dot(away, along) * along);
+        const Vec3 away = reference.away(t, {v, w}, along);
         const Vec3 zero = out.empty() ? away : out[0].away;
         double turn = std::atan2(dot(cross(zero, away), along), dot(zero, away));
         if (turn < 0.0)

@@ -1,6 +1,6 @@
 #include "sampling/seed_corners.h"
 
-#include "sampling/curve_chains.h"
+#include "sampling/corner_spokes.h"
 
 #include <algorithm>
 #include <array>
@@ -22,13 +22,6 @@ constexpr double kSquare = 0.1;   // cosine of the angle between creases that co
 constexpr double kFace = 0.833;
 constexpr double kInner = 0.721;
 
-/// Where a crease leaves a corner.
-struct Spoke {
-    int curve;
-    int point;  // next on the curve
-    bool alone; // no corner, nor the point next to one at the curve's other end
-};
-
 /// v turned by an angle about the unit vector n.
 Vec3 turned(const Vec3 &v, const Vec3 &n, double angle) {
     return std::cos(angle) * v + std::sin(angle) * cross(n, v) + ((1.0 - std::cos(angle)) * dot(n, v)) * n;
@@ -39,15 +32,6 @@ struct Opening {
     double angle = 0.0;
     Vec3 normal;
 };
-
-/// Move the next point on a crease to a distance from the corner, unless it is given.
-void put_at(Cloud &cloud, const domain::Reference &reference, int corner, const Spoke &spoke, double distance) {
-    if (cloud.held[spoke.point] == Hold::given)
-        return;
-    const Vec3 at = cloud.points[corner];
-    Vec3 &p = cloud.points[spoke.point];
-    p = reference.nearest_on_curve(at + distance * unit(p - at), spoke.curve, true).point;
-}
 
 /// Where creases meet at a sharp angle, a facet from one to the other is acute only if they are about equally long:
 /// their next points go as far from the corner as they are in the mean.
@@ -60,7 +44,7 @@ void even_sharp(Cloud &cloud, const domain::Reference &reference, int corner, co
         const bool any = std::any_of(around.begin(), around.end(), [&](const Spoke &other) {
             return &other != &one && dot(way, unit(cloud.points[other.point] - at)) > kSharp;
         });
-        if (!any || !one.alone)
+        if (!any || !one.alone())
             continue;
         sharp.push_back(&one);
         sum += norm(cloud.points[one.point] - at);
@@ -121,7 +105,7 @@ void even_square(Cloud &cloud, const domain::Reference &reference, int corner, c
             near = std::min(near, norm(cloud.points[spoke.point] - at));
     for (const Octant &octant : octants)
         for (const Spoke &spoke : octant.spokes)
-            if (spoke.alone)
+            if (spoke.alone())
                 put_at(cloud, reference, corner, spoke, near);
 }
 
@@ -143,21 +127,6 @@ std::map<std::pair<int, int>, Opening> openings_of(const domain::Reference &refe
             opening.normal += wide * reference.normal(static_cast<int>(t));
         }
     return openings;
-}
-
-/// The creases at the corners, by the corner's point.
-std::map<int, std::vector<Spoke>> spokes_of(const Cloud &cloud, const domain::Reference &reference) {
-    std::map<int, std::vector<Spoke>> spokes;
-    const auto chains = curve_chains(cloud, reference);
-    for (int c = 0; c < static_cast<int>(chains.size()); ++c) {
-        const auto &chain = chains[c];
-        if (chain.size() < 2 || reference.curves()[c].closed)
-            continue;
-        const bool alone = chain.size() > 3;
-        spokes[chain.front().point].push_back({c, chain[1].point, alone});
-        spokes[chain.back().point].push_back({c, chain[chain.size() - 2].point, alone});
-    }
-    return spokes;
 }
 
 /// Divide a wide angle that a patch has at a corner between the points `ends` of its two creases there.
@@ -183,7 +152,7 @@ void divide(Cloud &cloud, const domain::Reference &reference, int corner, int pa
 void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
                   const domain::Sizing &sizing, std::span<const int> divided) {
     const auto openings = openings_of(reference);
-    const auto spokes = spokes_of(cloud, reference);
+    const auto spokes = spokes_of(curve_chains(cloud, reference), reference);
     for (const auto &[corner, around] : spokes)
         even_sharp(cloud, reference, corner, around);
     for (const auto &[corner, around] : spokes) {

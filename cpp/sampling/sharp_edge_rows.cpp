@@ -23,13 +23,7 @@ constexpr double kMirroredFirst = 0.62, kMirroredBetween = 0.5, kMirroredLast = 
 /// Along a triangle, away from its edge.
 Vec3 away(const domain::Reference &reference, int triangle, const Edge &edge) {
     const auto &points = reference.data().points;
-    const Vec3 along = unit(points[edge[1]] - points[edge[0]]);
-    for (const int v : reference.data().triangles[triangle])
-        if (v != edge[0] && v != edge[1]) {
-            const Vec3 d = points[v] - points[edge[0]];
-            return unit(d - dot(d, along) * along);
-        }
-    return {};
+    return reference.away(triangle, edge, unit(points[edge[1]] - points[edge[0]]));
 }
 
 /// A step of a chain along a sharp crease, and whether a corner is at either end.

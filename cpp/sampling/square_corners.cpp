@@ -1,7 +1,10 @@
 #include "sampling/square_corners.h"
 
+#include "sampling/corner_spokes.h"
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace wct::sampling {
 
@@ -9,10 +12,10 @@ namespace {
 
 constexpr double kUneven = 1.1; // longest first step per shortest
 
-bool all_square(const std::vector<Spoke> &spokes) {
-    for (std::size_t i = 0; i < spokes.size(); ++i)
+bool all_square(const std::vector<FirstStep> &steps) {
+    for (std::size_t i = 0; i < steps.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
-            const double cosine = std::fabs(dot(spokes[i].way, spokes[j].way));
+            const double cosine = std::fabs(dot(steps[i].way, steps[j].way));
             if (cosine > std::sin(kSquare) && cosine < std::cos(kSquare))
                 return false;
         }
@@ -21,56 +24,53 @@ bool all_square(const std::vector<Spoke> &spokes) {
 
 /// Whether creases square to each other are no longer than two steps: the octants at the corners of a side between them
 /// leave no room for the point that its middle wants.
-bool is_cramped(const std::vector<Spoke> &spokes) {
-    for (const Spoke &one : spokes)
-        for (const Spoke &other : spokes)
-            if (one.steps <= 2 && other.steps <= 2 && std::fabs(dot(one.way, other.way)) < std::sin(kSquare))
+bool is_cramped(const std::vector<Spoke> &spokes, const std::vector<FirstStep> &steps) {
+    for (std::size_t i = 0; i < spokes.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (!spokes[i].alone() && !spokes[j].alone() &&
+                std::fabs(dot(steps[i].way, steps[j].way)) < std::sin(kSquare))
                 return true;
     return false;
 }
 
 } // namespace
 
-std::map<int, std::vector<Spoke>> square_corners(Cloud &cloud, const domain::Reference &reference,
-                                                 const std::vector<std::vector<CurveStop>> &chains) {
-    std::map<int, std::vector<Spoke>> corners;
-    for (int c = 0; c < static_cast<int>(chains.size()); ++c) {
-        const auto &chain = chains[c];
-        if (reference.curves()[c].closed || chain.size() < 2)
-            continue;
-        const int steps = static_cast<int>(chain.size()) - 1;
-        const auto add = [&](int corner, int next) {
-            const Vec3 way = cloud.points[next] - cloud.points[corner];
-            corners[corner].push_back(
-                {c, next, steps, steps > 2 && cloud.held[next] == Hold::none, unit(way), norm(way)});
-        };
-        add(chain.front().point, chain[1].point);
-        add(chain.back().point, chain[chain.size() - 2].point);
+std::map<int, std::vector<FirstStep>> square_corners(Cloud &cloud, const domain::Reference &reference,
+                                                     const std::vector<std::vector<CurveStop>> &chains) {
+    const auto corners = spokes_of(chains, reference);
+    std::map<int, std::vector<FirstStep>> square;
+    for (const auto &[corner, spokes] : corners) {
+        std::vector<FirstStep> steps;
+        for (const Spoke &spoke : spokes) {
+            const Vec3 way = cloud.points[spoke.point] - cloud.points[corner];
+            steps.push_back({unit(way), norm(way)});
+        }
+        if (all_square(steps) && !is_cramped(spokes, steps))
+            square.emplace(corner, std::move(steps));
     }
-    std::erase_if(corners, [](const auto &corner) { return !all_square(corner.second) || is_cramped(corner.second); });
-    for (auto &[corner, spokes] : corners) {
-        const auto shorter = [](const Spoke &a, const Spoke &b) { return a.length < b.length; };
-        const double most = kUneven * std::min_element(spokes.begin(), spokes.end(), shorter)->length;
-        for (Spoke &spoke : spokes)
-            if (spoke.moves && spoke.length > most) {
-                spoke.length = most;
-                cloud.points[spoke.next] =
-                    reference.nearest_on_curve(cloud.points[corner] + most * spoke.way, spoke.curve, true).point;
+    for (auto &[corner, steps] : square) {
+        const auto shorter = [](const FirstStep &a, const FirstStep &b) { return a.length < b.length; };
+        const double most = kUneven * std::min_element(steps.begin(), steps.end(), shorter)->length;
+        const std::vector<Spoke> &spokes = corners.at(corner);
+        for (std::size_t k = 0; k < steps.size(); ++k)
+            if (steps[k].length > most && spokes[k].alone() && cloud.held[spokes[k].point] == Hold::none) {
+                steps[k].length = most;
+                put_at(cloud, reference, corner, spokes[k], most);
             }
     }
-    return corners;
+    return square;
 }
 
-bool is_crease(const std::vector<Spoke> &spokes, const Vec3 &way) {
-    return std::any_of(spokes.begin(), spokes.end(),
-                       [&](const Spoke &spoke) { return dot(spoke.way, way) > std::cos(kSquare); });
+bool is_crease(const std::vector<FirstStep> &steps, const Vec3 &way) {
+    return std::any_of(steps.begin(), steps.end(),
+                       [&](const FirstStep &step) { return dot(step.way, way) > std::cos(kSquare); });
 }
 
-double first_step(const std::vector<Spoke> &spokes, const Vec3 &way, double other) {
+double first_length(const std::vector<FirstStep> &steps, const Vec3 &way, double other) {
     for (const double sign : {1.0, -1.0})
-        for (const Spoke &spoke : spokes)
-            if (sign * dot(spoke.way, way) > std::cos(kSquare))
-                return spoke.length;
+        for (const FirstStep &step : steps)
+            if (sign * dot(step.way, way) > std::cos(kSquare))
+                return step.length;
     return other;
 }
 

@@ -29,6 +29,7 @@ constexpr double kMiddleAlong = 0.2, kMiddleOff = 0.6;
 
 /// A step from one point of a crease to the next.
 struct Step {
+    int curve;
     Vec3 from, to;
     double size; // of edges wanted there
     double length;
@@ -43,7 +44,7 @@ struct Side {
     int region;
 };
 
-/// Of every step of a crease the sides, in the order of a turn.
+/// In the order of a turn.
 using Sides = std::array<Side, kQuarters>;
 
 /// Places the rows of one crease after the other.
@@ -51,7 +52,12 @@ class SquareRows {
   public:
     SquareRows(Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
                const domain::Sizing &sizing)
-        : cloud_(cloud), reference_(reference), map_(map), sizing_(sizing), edges_(reference.data().triangles) {}
+        : cloud_(cloud), reference_(reference), map_(map), sizing_(sizing), edges_(reference.data().triangles),
+          curves_(reference.patches()) {
+        for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c)
+            for (const int patch : reference.patches_at_curve(c))
+                curves_[patch].push_back(c);
+    }
 
     /// Returns the corners with octants, ascending.
     std::vector<int> seed() {
@@ -74,33 +80,31 @@ class SquareRows {
     void along(int curve, const std::vector<CurveStop> &chain) {
         if (chain.size() < 3 || !meets_interface(curve) || at_layer(curve))
             return;
-        curve_ = curve;
         const bool closed = reference_.curves()[curve].closed, brief = !closed && chain.size() == 3;
         if (brief && (!corners_.contains(chain.front().point) || !corners_.contains(chain.back().point)))
             return;
+        const double bend = greatest_bend(curve);
         std::vector<Step> steps;
         std::vector<Sides> sides;
         for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
-            steps.push_back(step_between(chain[k].point, chain[k + 1].point));
-            if (bends(curve, steps.back()) || !find_sides(curve, steps.back(), sides.emplace_back()))
+            steps.push_back(step_between(curve, chain[k].point, chain[k + 1].point));
+            if (bend * steps.back().length > kBend || !find_sides(steps.back(), sides.emplace_back()))
                 return;
         }
         for (const CurveStop &stop : chain)
             cloud_.held[stop.point] = std::max(cloud_.held[stop.point], Hold::relaxation);
         const std::size_t last = steps.size() - 1;
+        if (closed) {
+            for (std::size_t k = 0; k <= last; ++k)
+                go_on(steps[k], sides[k], false, false);
+            return;
+        }
         if (brief)
             put_between(steps[0], sides[0]);
-        for (std::size_t k = 0; k <= last; ++k)
-            if (closed)
-                go_on(steps[k], sides[k], false, false);
-            else if (k > 0 && k < last)
-                go_on(steps[k], sides[k], k == 1, k + 1 == last);
-            else {
-                if (k == 0)
-                    begin(chain.front().point, steps[k].to, steps[k], sides[k]);
-                if (k == last)
-                    begin(chain.back().point, steps[k].from, steps[k], sides[k]);
-            }
+        begin(chain.front().point, steps.front().to, steps.front(), sides.front());
+        for (std::size_t k = 1; k < last; ++k)
+            go_on(steps[k], sides[k], k == 1, k + 1 == last);
+        begin(chain.back().point, steps.back().from, steps.back(), sides.back());
     }
 
     /// Whether an interface has the crease, or one end of it.
@@ -120,32 +124,31 @@ class SquareRows {
         return sizing_.at_layer(vertices.front()) || sizing_.at_layer(vertices.back());
     }
 
-    Step step_between(int a, int b) const {
+    Step step_between(int curve, int a, int b) const {
         const Vec3 way = cloud_.points[b] - cloud_.points[a];
-        return {cloud_.points[a], cloud_.points[b], 0.5 * (cloud_.size[a] + cloud_.size[b]), norm(way), unit(way)};
+        const double size = 0.5 * (cloud_.size[a] + cloud_.size[b]);
+        return {curve, cloud_.points[a], cloud_.points[b], size, norm(way), unit(way)};
     }
 
-    bool bends(int curve, const Step &step) const {
-        const auto &bend = reference_.curves()[curve].bend;
-        return std::any_of(bend.begin(), bend.end(), [&](const Vec3 &b) { return norm(b) * step.length > kBend; });
+    /// One by the least radius of a crease; 0 where it is straight.
+    double greatest_bend(int curve) const {
+        double most = 0.0;
+        for (const Vec3 &bend : reference_.curves()[curve].bend)
+            most = std::max(most, norm(bend));
+        return most;
     }
 
     /// False where patches leave the crease at angles that are no quarters of a turn, or two of them together.
-    bool find_sides(int curve, const Step &step, Sides &sides) const {
+    bool find_sides(const Step &step, Sides &sides) const {
         constexpr double quarter = 0.5 * std::numbers::pi;
-        const domain::Curve &on = reference_.curves()[curve];
-        const auto &data = reference_.data();
+        const domain::Curve &on = reference_.curves()[step.curve];
         const Vec3 middle = 0.5 * (step.from + step.to);
-        const int at = reference_.nearest_on_curve(middle, curve).step;
-        const int v = on.at(at), w = on.at(at + 1);
+        const int at = reference_.nearest_on_curve(middle, step.curve).step;
+        const Edge edge{on.at(at), on.at(at + 1)};
         std::array<int, kQuarters> patch{-1, -1, -1, -1};
         Vec3 zero, one;
-        for (const int t : edges_.owners(sorted(v, w))) {
-            Vec3 away;
-            for (const int u : data.triangles[t])
-                if (u != v && u != w)
-                    away = data.points[u] - data.points[v];
-            away = unit(away - dot(away, step.along) * step.along);
+        for (const int t : edges_.owners(sorted(edge[0], edge[1]))) {
+            const Vec3 away = reference_.away(t, edge, step.along);
             if (norm(zero) == 0.0) {
                 zero = away;
                 one = cross(step.along, zero);
@@ -154,7 +157,7 @@ class SquareRows {
             const int q = (static_cast<int>(std::lround(turn)) + kQuarters) % kQuarters;
             if (std::fabs(turn - std::round(turn)) * quarter > kSquare || patch[q] >= 0)
                 return false;
-            patch[q] = data.patch[t];
+            patch[q] = reference_.data().patch[t];
         }
         const std::array<Vec3, kQuarters> ways{zero, one, -1.0 * zero, -1.0 * one};
         for (int q = 0; q < kQuarters; ++q) {
@@ -174,7 +177,7 @@ class SquareRows {
         const Vec3 from = cloud_.points[corner], way = next - from;
         std::array<Vec3, kQuarters> other;
         for (int q = 0; q < kQuarters; ++q)
-            other[q] = first_step(found->second, sides[q].away, step.length) * sides[q].away;
+            other[q] = first_length(found->second, sides[q].away, step.length) * sides[q].away;
         for (int q = 0; q < kQuarters; ++q) {
             if (!is_crease(found->second, sides[q].away))
                 put_on_side(from + other[q], step, sides[q]);
@@ -201,7 +204,7 @@ class SquareRows {
         }
     }
 
-    /// Where the first step is the last but one: what the octants of both corners have between them.
+    /// What the octants of both corners have between them where a crease has two steps; this is the first.
     void put_between(const Step &step, const Sides &sides) {
         for (int q = 0; q < kQuarters; ++q) {
             const Vec3 both = step.length * (sides[q].away + sides[(q + 1) % kQuarters].away);
@@ -221,16 +224,13 @@ class SquareRows {
 
     /// Whether the creases of the patch that have no end in common with this one are far enough.
     bool has_room(const Vec3 &p, const Step &step, int patch) const {
-        const auto &own = reference_.curves()[curve_].vertices;
+        const auto &own = reference_.curves()[step.curve].vertices;
         const auto is_end = [&](int v) { return v == own.front() || v == own.back(); };
-        for (int c = 0; c < static_cast<int>(reference_.curves().size()); ++c) {
-            const auto &patches = reference_.patches_at_curve(c);
+        return std::none_of(curves_[patch].begin(), curves_[patch].end(), [&](int c) {
             const auto &other = reference_.curves()[c].vertices;
-            if (std::binary_search(patches.begin(), patches.end(), patch) && !is_end(other.front()) &&
-                !is_end(other.back()) && reference_.nearest_on_curve(p, c).distance < kRoom * step.length)
-                return false;
-        }
-        return true;
+            return !is_end(other.front()) && !is_end(other.back()) &&
+                   reference_.nearest_on_curve(p, c).distance < kRoom * step.length;
+        });
     }
 
     void put_inside(const Vec3 &p, const Step &step, int region) {
@@ -251,9 +251,9 @@ class SquareRows {
     const domain::RegionMap &map_;
     const domain::Sizing &sizing_;
     const geometry::TriangleEdges edges_;
-    std::map<int, std::vector<Spoke>> corners_;
-    std::set<int> begun_;
-    int curve_ = -1; // whose rows are placed
+    std::vector<std::vector<int>> curves_; // of each patch
+    std::map<int, std::vector<FirstStep>> corners_;
+    std::set<int> begun_; // corners with octants
     PointGrid grid_;
 };
 

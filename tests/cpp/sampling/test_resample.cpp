@@ -1,7 +1,6 @@
 #include "sampling/resample.h"
 
 #include "geometry/euler_characteristic.h"
-#include "geometry/predicates.h"
 #include "sampling/surface_fit.h"
 #include "sampling/tet_estimate.h"
 #include "support/bench.h"
@@ -142,11 +141,8 @@ TEST_CASE("Seeds round the rim of an interface come right before anything moves"
         std::array<Vec3, 4> p;
         for (int i = 0; i < 4; ++i)
             p[i] = cloud.points[tet[i]];
-        bool good = geometry::contains_circumcenter(p[0], p[1], p[2], p[3]);
-        for (const auto &f : kFacets)
-            good = good && geometry::acute(p[f[0]], p[f[1]], p[f[2]]);
         ++tets;
-        bad += !good;
+        bad += !well_centered(p, true);
     }
     CHECK(tets > 150);
     CHECK(bad == 0);

@@ -6,6 +6,8 @@
 #include "search/crease_release.h"
 #include "support/bench.h"
 
+#include <algorithm>
+#include <iterator>
 #include <numeric>
 
 namespace wct::tests {
@@ -94,6 +96,12 @@ Searched searched(const Start &start, const Body &on, double tolerance, const se
     return out;
 }
 
+bool well_centered(const std::array<Vec3, 4> &p, bool acute) {
+    return geometry::contains_circumcenter(p[0], p[1], p[2], p[3]) &&
+           (!acute || std::all_of(std::begin(kFacets), std::end(kFacets),
+                                  [&](const auto &f) { return geometry::acute(p[f[0]], p[f[1]], p[f[2]]); }));
+}
+
 int not_well_centered(const search::TetComplex &complex, bool acute) {
     int count = 0;
     for (std::size_t k = 0; k < complex.tet_slots(); ++k) {
@@ -103,10 +111,7 @@ int not_well_centered(const search::TetComplex &complex, bool acute) {
         std::array<Vec3, 4> p;
         for (int i = 0; i < 4; ++i)
             p[i] = complex.point(complex.tet(t)[i]);
-        bool good = geometry::contains_circumcenter(p[0], p[1], p[2], p[3]);
-        for (const auto &f : kFacets)
-            good = good && (!acute || geometry::acute(p[f[0]], p[f[1]], p[f[2]]));
-        count += !good;
+        count += !well_centered(p, acute);
     }
     return count;
 }

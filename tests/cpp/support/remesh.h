@@ -3,6 +3,8 @@
 #include "search/local_search.h"
 #include "support/bodies.h"
 
+#include <array>
+
 namespace wct::tests {
 
 /// A start for the body, made by sampling: in strata, with the sizes of its points.
@@ -28,6 +30,9 @@ Searched searched(const Start &start, const Body &on, double tolerance, const se
 Start start_of(const Body &body);
 /// The same with all vertices of the surface where they are.
 Start pinned(const Body &body);
+
+/// Whether a tet holds its circumcenter and, if `acute`, its facets theirs, exactly.
+bool well_centered(const std::array<Vec3, 4> &corners, bool acute);
 
 /// Tets of a complex that do not hold their circumcenter or, if `acute`, have a facet that does not, exactly.
 int not_well_centered(const search::TetComplex &complex, bool acute);
