@@ -13,8 +13,8 @@
 
 namespace wct::sampling {
 
-/// What leaves a point where it is: from `all` on nothing moves it, and a given one does not go either.
-enum class Hold : std::uint8_t { none, relaxation, all, given };
+/// What leaves a point where it is: relaxation, descent as well, or all there is; a given one does not go either.
+enum class Hold : std::uint8_t { none, relaxation, descent, all, given };
 
 /// The points of a mesh in the making.
 struct Cloud {

@@ -93,6 +93,7 @@ class Objective {
                 kept.push_back(tets_[k]);
                 // A tet that is degenerate already may stay so, but not turn inside out.
                 floors_.push_back(std::min(energy::kDegenerate, 0.5 * flatness));
+                weights_.push_back(between_held(cloud, tets_[k]) ? kBetweenHeld : 1.0);
             }
         }
         tets_ = std::move(kept);
@@ -140,6 +141,13 @@ class Objective {
     static constexpr std::size_t kTogether = 512; // tets that one thread measures together
     static constexpr double kSteep = 0.5;
     static constexpr double kHeldBack = 0.25; // share of its step left to a point in whose way a tet is
+    /// How often a tet between points that relaxation holds counts. Where they are held here too the tets beside them
+    /// stay bad; where all count alike, those beside them make them bad, and they are the harder ones to mend.
+    static constexpr double kBetweenHeld = 6.0;
+
+    static bool between_held(const Cloud &cloud, const Tet &tet) {
+        return std::all_of(tet.begin(), tet.end(), [&](int v) { return cloud.held[v] == Hold::relaxation; });
+    }
 
     /// At `next_`. Infinite where a tet would become degenerate; `blocked_` then holds the corners of all such tets.
     double evaluate(energy::Field &gradient) {
@@ -177,10 +185,10 @@ class Objective {
                     const int l = static_cast<int>((t - begin) % energy::kLanes);
                     if (!(part.energy[group][l] < std::numeric_limits<double>::infinity()))
                         blocked_.insert(blocked_.end(), tets_[t].begin(), tets_[t].end());
-                    sum += part.energy[group][l];
+                    sum += weights_[t] * part.energy[group][l];
                     const auto &corner = part.gradient[group].corner;
                     for (int k = 0; k < 4; ++k)
-                        gradient[tets_[t][k]] += {corner[k][0][l], corner[k][1][l], corner[k][2][l]};
+                        gradient[tets_[t][k]] += weights_[t] * Vec3{corner[k][0][l], corner[k][1][l], corner[k][2][l]};
                 }
             });
     }
@@ -240,7 +248,7 @@ class Objective {
     /// The part of a field along which the points may move.
     void project(energy::Field &field) const {
         for (std::size_t i = 0; i < field.size(); ++i)
-            switch (cloud_.held[i] != Hold::none ? Stratum::corner : cloud_.role[i]) {
+            switch (cloud_.held[i] >= Hold::descent ? Stratum::corner : cloud_.role[i]) {
             case Stratum::interior:
                 break;
             case Stratum::patch:
@@ -263,7 +271,7 @@ class Objective {
     const std::vector<Tie> &ties_;
     std::vector<Edge> edges_;
     std::vector<Tet> tets_;
-    std::vector<double> floors_;
+    std::vector<double> floors_, weights_;
     double reach_;
     const Workers &workers_;
     energy::Field scaled_, next_; // where the points stand, and were tried last, in units of their sizes

@@ -171,7 +171,7 @@ int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelau
         const auto &[v, w] = edge;
         const bool given = cloud.held[w] == Hold::given && cloud.role[v] == Stratum::patch;
         const int goes = cloud.role[w] == Stratum::patch && !given ? w : v;
-        if (touched[v] || touched[w] || cloud.held[goes] >= Hold::all)
+        if (touched[v] || touched[w] || cloud.held[goes] == Hold::relaxation || cloud.held[goes] >= Hold::all)
             continue;
         touched[v] = touched[w] = 1;
         keep[goes] = 0;

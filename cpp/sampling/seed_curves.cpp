@@ -101,7 +101,7 @@ void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain:
                 const Vec3 p = measured.at(std::fmod(ends[i] + length * k / count, measured.total));
                 cloud.add(p, Stratum::crease, c, sizing.at(p));
                 if (k == 0 && ends.size() > 2)
-                    cloud.held.back() = Hold::relaxation;
+                    cloud.held.back() = Hold::descent;
             }
         }
     }

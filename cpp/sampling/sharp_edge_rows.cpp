@@ -67,7 +67,7 @@ class RowPlacer {
     void add(const Place &place) {
         grid_.add(place.point, kApart * place.size);
         cloud_.add(place.point, Stratum::patch, place.patch, place.size);
-        cloud_.held.back() = Hold::relaxation;
+        cloud_.held.back() = Hold::descent;
     }
 
   private:
@@ -87,7 +87,7 @@ void each_step(Cloud &cloud, const domain::Reference &reference, const domain::S
             continue;
         const bool closed = reference.curves()[c].closed;
         for (const CurveStop &stop : chains[c])
-            cloud.held[stop.point] = std::max(cloud.held[stop.point], Hold::relaxation);
+            cloud.held[stop.point] = std::max(cloud.held[stop.point], Hold::descent);
         for (std::size_t k = 0; k + 1 < chains[c].size(); ++k) {
             const int a = chains[c][k].point, b = chains[c][k + 1].point;
             visit(Step{cloud.points[a], cloud.points[b], 0.5 * (cloud.size[a] + cloud.size[b]), !closed && k == 0,

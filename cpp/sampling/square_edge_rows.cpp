@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <set>
 #include <vector>
 
@@ -65,8 +66,16 @@ class SquareRows {
         corners_ = square_corners(cloud_, reference_, chains);
         for (std::size_t i = 0; i < cloud_.count(); ++i)
             grid_.add(cloud_.points[i], kApart * cloud_.size[i]);
-        for (int c = 0; c < static_cast<int>(chains.size()); ++c)
-            along(c, chains[c]);
+        const auto places = std::views::iota(0, static_cast<int>(chains.size()));
+        for (const int c : places)
+            if (meets_interface(c))
+                along(c, chains[c]);
+        // Rims of one region between corners that have octants now: half a pattern is worse than none.
+        const std::set<int> begun = begun_;
+        for (const int c : places)
+            if (!chains[c].empty() && !meets_interface(c) && begun.contains(chains[c].front().point) &&
+                begun.contains(chains[c].back().point))
+                along(c, chains[c]);
         return {begun_.begin(), begun_.end()};
     }
 
@@ -78,7 +87,7 @@ class SquareRows {
     static constexpr double kBend = 0.3;   // greatest step per radius of the crease
 
     void along(int curve, const std::vector<CurveStop> &chain) {
-        if (chain.size() < 3 || !meets_interface(curve) || at_layer(curve))
+        if (chain.size() < 3 || at_layer(curve))
             return;
         const bool closed = reference_.curves()[curve].closed, brief = !closed && chain.size() == 3;
         if (brief && (!corners_.contains(chain.front().point) || !corners_.contains(chain.back().point)))

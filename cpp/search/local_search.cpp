@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <set>
 
 namespace wct::search {
 
@@ -42,6 +43,14 @@ SearchForm margin_form(bool acute, double margin) {
     form.hard_count = 1.0;
     return form;
 }
+
+bool has_several_regions(const TetComplex &complex) {
+    std::set<int> regions;
+    for (std::size_t k = 0; k < complex.tet_slots() && regions.size() < 2; ++k)
+        if (const int t = static_cast<int>(k); complex.alive(t))
+            regions.insert(complex.region(t));
+    return regions.size() > 1;
+}
 } // namespace
 
 LocalSearch::LocalSearch(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
@@ -51,6 +60,8 @@ LocalSearch::LocalSearch(TetComplex &complex, const SurfaceGuide &guide, const S
       repair_(complex, energy_, operators_, descent_, group_, random_),
       kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
     watch_.crease = options.crease;
+    // Bodies of one region come right either way; a cube takes a fifth longer with it.
+    watch_.divides_corners = options.acute && has_several_regions(complex);
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
     operators_.most = options.most;

@@ -12,6 +12,7 @@ constexpr double kUnfolded = 0.5; // cosine of the angle a facet may turn by in 
 constexpr double kLeast = 1e-6;
 /// What is as far over as it was may come out this much farther.
 constexpr double kRounding = 1.0 + 1e-9;
+constexpr double kAcute = 0.035; // cosine of an angle of 88 degrees, above which no facet has a margin
 
 std::array<double, 9> coordinates(const std::array<Vec3, 3> &c) {
     return {c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z};
@@ -107,7 +108,24 @@ void SurfaceWatch::skip_known_edges() {
     }
 }
 
+std::ptrdiff_t SurfaceWatch::undivided(const std::vector<Piece> &pieces) const {
+    return std::count_if(pieces.begin(), pieces.end(), [&](const Piece &piece) {
+        for (int k = 0; k < 3; ++k) {
+            const int at = piece.key[k], a = piece.key[(k + 1) % 3], b = piece.key[(k + 2) % 3];
+            if (complex_.vertex(at).stratum != Stratum::corner || !complex_.is_crease(at, a) ||
+                !complex_.is_crease(at, b))
+                continue;
+            const Vec3 p = complex_.point(a) - complex_.point(at), q = complex_.point(b) - complex_.point(at);
+            if (dot(p, q) < kAcute * norm(p) * norm(q))
+                return true;
+        }
+        return false;
+    });
+}
+
 bool SurfaceWatch::allows_replacing() {
+    if (divides_corners && undivided(new_) > undivided(old_))
+        return false;
     skip_known_edges();
     double allowed = loose; // no facet may be farther over than one it replaces
     for (const Piece &piece : old_)

@@ -4,6 +4,7 @@
 #include "search/tet_complex.h"
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace wct::search {
@@ -34,6 +35,9 @@ class SurfaceWatch {
     /// Cosine of the angle by which creases bend. Where the surface does not bend nearly as much, no edge within a
     /// patch comes to bend more, unless one beside it that goes or moves has bent as much.
     double crease = -1.0;
+    /// Whether an angle between two creases at a corner that is not acute stays divided: a facet that fills it is never
+    /// acute, and takes several points at once to be rid of.
+    bool divides_corners = false;
 
     /// Moving vertex v: name it, ask about places for it, and settle at one. That is granted where it is the place that
     /// was allowed last; of others the answer may be another than before: near two sheets of the surface it may depend
@@ -79,6 +83,8 @@ class SurfaceWatch {
         int landmark;
         Facet to;
     };
+    /// How many of the pieces fill an angle between two creases at a corner that is not acute.
+    std::ptrdiff_t undivided(const std::vector<Piece> &pieces) const;
     bool facets_allow(const Vec3 &x);
     bool creases_allow(const Vec3 &x) const;
     /// Those of the pieces, both of new and of gone ones with facets that stay; edges of creases only if `all`.

@@ -52,7 +52,7 @@ def heights(mesh, tag) -> np.ndarray:
 
 @pytest.mark.filterwarnings("ignore:the boundary is resampled on the mesh's own facets")
 def test_tetgen_s_regions_and_tags_survive_the_optimizer():
-    mesh, metrics = wct.apply_filter("generate_tetrahedralization", two_rooms(), mesher="tetgen", edge_length=0.15)
+    mesh, metrics = wct.apply_filter("generate_tetrahedralization", two_rooms(), mesher="tetgen", edge_length=0.5)
     assert metrics == {"mesher": f"TetGen {tetgen.version()}", "tets": len(mesh.tets), "points": len(mesh.points)}
     better, _ = wct.apply_filter("meshing_well_centered", mesh)
     _, report = wct.apply_filter("get_quality", better)

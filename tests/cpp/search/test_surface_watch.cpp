@@ -7,8 +7,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace wct::tests {
 
@@ -71,6 +73,56 @@ TEST_CASE("SurfaceWatch: a mesh of other facets than the surface's is beyond the
         const Vec3 middle = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]);
         CHECK(complex.over(key) > (1.0 - norm(middle)) / kTolerance - 2.0);
     }
+}
+
+TEST_CASE("SurfaceWatch: an angle between two creases at a corner stays divided, if that is asked for") {
+    Bench bench(cube(2, 0.0, 1));
+    const auto swap_allowed = [&](const Facet &one, const Facet &two, const Facet &first, const Facet &second,
+                                  int patch) {
+        bench.watch.clear();
+        bench.watch.goes(one);
+        bench.watch.goes(two);
+        bench.watch.comes(first, patch);
+        bench.watch.comes(second, patch);
+        return bench.watch.allows_replacing();
+    };
+    const auto surface = bench.complex.sorted_surface();
+    int divided = 0, filled = 0;
+    for (const auto &[one, patch] : surface)
+        for (const auto &[two, other] : surface) {
+            std::vector<int> shared, apart;
+            for (const int v : one)
+                (std::count(two.begin(), two.end(), v) > 0 ? shared : apart).push_back(v);
+            for (const int v : two)
+                if (std::count(one.begin(), one.end(), v) == 0)
+                    apart.push_back(v);
+            if (patch != other || shared.size() != 2)
+                continue;
+            const Facet first = sorted(shared[0], apart[0], apart[1]), second = sorted(shared[1], apart[0], apart[1]);
+            const auto corner = std::find_if(shared.begin(), shared.end(), [&](int v) {
+                return bench.complex.vertex(v).stratum == Stratum::corner && bench.complex.is_crease(v, apart[0]) &&
+                       bench.complex.is_crease(v, apart[1]);
+            });
+            if (corner == shared.end())
+                continue;
+            ++divided;
+            bench.watch.divides_corners = false;
+            CHECK(swap_allowed(one, two, first, second, patch));
+            bench.watch.divides_corners = true;
+            CHECK_FALSE(swap_allowed(one, two, first, second, patch));
+        }
+    for (const auto &[key, patch] : surface) { // one that fills an angle may go, or be replaced by another that does
+        const auto is_corner = [&](int v) { return bench.complex.vertex(v).stratum == Stratum::corner; };
+        if (std::none_of(key.begin(), key.end(), is_corner))
+            continue;
+        bench.watch.clear();
+        bench.watch.goes(key);
+        bench.watch.comes(key, patch);
+        CHECK(bench.watch.allows_replacing());
+        ++filled;
+    }
+    CHECK(divided >= 6); // twice as many facets as angles: a face of a cube of Kuhn's tets has two that are divided
+    CHECK(filled >= 12);
 }
 
 TEST_CASE("SurfaceWatch: a vertex settles within the tolerance and nowhere else") {
