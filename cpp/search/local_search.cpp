@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <set>
+#include <vector>
 
 namespace wct::search {
 
@@ -44,12 +44,15 @@ SearchForm margin_form(bool acute, double margin) {
     return form;
 }
 
-bool has_several_regions(const TetComplex &complex) {
-    std::set<int> regions;
-    for (std::size_t k = 0; k < complex.tet_slots() && regions.size() < 2; ++k)
-        if (const int t = static_cast<int>(k); complex.alive(t))
-            regions.insert(complex.region(t));
-    return regions.size() > 1;
+/// Whether there are interfaces or sheets: facets of the surface with tets on both sides.
+bool has_inner_facets(const TetComplex &complex) {
+    const auto facets = complex.sorted_surface();
+    return std::any_of(facets.begin(), facets.end(), [&](const auto &facet) {
+        const auto &[a, b, c] = facet.first;
+        const std::vector<int> &star = complex.star(a);
+        return std::count_if(star.begin(), star.end(), [&](int t) { return complex.has(t, b) && complex.has(t, c); }) >
+               1;
+    });
 }
 } // namespace
 
@@ -60,8 +63,8 @@ LocalSearch::LocalSearch(TetComplex &complex, const SurfaceGuide &guide, const S
       repair_(complex, energy_, operators_, descent_, group_, random_),
       kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
     watch_.crease = options.crease;
-    // Bodies of one region come right either way; a cube takes a fifth longer with it.
-    watch_.divides_corners = options.acute && has_several_regions(complex);
+    // Bodies without come right either way; a cube takes a fifth longer with it.
+    watch_.divides_corners = options.acute && has_inner_facets(complex);
     operators_.flip_surface = options.flip_surface;
     operators_.split_surface = options.split_surface;
     operators_.most = options.most;

@@ -44,12 +44,15 @@ _AT_INTERFACES = 0.8
 _FEW_STUCK = 0.002
 _PATIENCE = 6.0
 _PATIENT = 0.4
-#: At interfaces, from so many tets on, the search of any start that is the best so far goes on with all that is left:
-#: ever fewer are stuck, and shorter edges do not help, unless so many are stuck that there are too few points.
+#: At interfaces, from so many tets on, the search of any start that is the best so far goes on, with all that is left
+#: where more than that share is stuck: ever fewer are, and shorter edges do not help, unless so many are stuck that there
+#: are too few points.
 _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
 #: Where more than this share of such a mesh is stuck, and not that many, no start has come back below it.
 _IN_VAIN = 0.005
+#: Where a start has come back with more than so many times the stuck tets of the best, the others do not come below it.
+_SPOILT = 10
 #: Where more than this share of such a mesh is stuck, there are too few points: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
@@ -257,7 +260,7 @@ class LocalSearch:
             worth, part = self.worth, 1.0
             finer = self._finer(on, tried, finer)
             again = None
-            if len(tried) <= self._restarts(on, fewest):
+            if len(tried) <= self._restarts(on, tried):
                 gone = fewest.released
                 again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:
@@ -269,10 +272,12 @@ class LocalSearch:
                 last, worth, again, gone = True, np.inf, fewest.mesh, fewest.released
             start = again
 
-    def _restarts(self, on: Reference, fewest: SearchResult) -> int:
+    def _restarts(self, on: Reference, tried: list[SearchResult]) -> int:
         """How often to start anew from the best that was found so far."""
+        fewest = best(tried)
         stuck, tets = len(fewest.stuck), len(fewest.mesh.tets)
-        if len(on.regions) > 1 and tets >= _SEVERAL_TETS and _IN_VAIN * tets < stuck <= _MANY_STUCK * tets:
+        spoilt = len(tried[-1].stuck) > _SPOILT * stuck
+        if self._several(on, fewest) and (spoilt or _IN_VAIN * tets < stuck <= _MANY_STUCK * tets):
             return 0
         return _FINER_HELD if self.held is not None else _FINER
 
@@ -288,11 +293,18 @@ class LocalSearch:
 
     def _more_of(self, on: Reference, tried: list[SearchResult]) -> tuple[float, float] | None:
         """With what worth and part of the work the search from the last start goes on; None where it does not."""
-        last = tried[-1]
+        last, patient = tried[-1], (_PATIENCE * self.worth, _PATIENT)
         stuck = len(last.stuck) / len(last.mesh.tets)
-        if len(on.regions) > 1 and len(last.mesh.tets) >= _SEVERAL_TETS:
-            return (np.inf, 1.0) if _FEW_STUCK < stuck <= _MANY_STUCK and last is best(tried) else None
-        return (_PATIENCE * self.worth, _PATIENT) if len(tried) == 1 and stuck > _FEW_STUCK else None
+        if not self._several(on, last):
+            return patient if len(tried) == 1 and stuck > _FEW_STUCK else None
+        if stuck > _MANY_STUCK or last is not best(tried):
+            return None
+        return (np.inf, 1.0) if stuck > _FEW_STUCK else patient
+
+    @staticmethod
+    def _several(on: Reference, found: SearchResult) -> bool:
+        """Whether there are interfaces, and tets enough for a search at them to go on."""
+        return len(on.regions) > 1 and len(found.mesh.tets) >= _SEVERAL_TETS
 
     def _partial_restart(
         self,
