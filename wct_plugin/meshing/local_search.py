@@ -45,8 +45,8 @@ _FEW_STUCK = 0.002
 _PATIENCE = 6.0
 _PATIENT = 0.4
 #: At interfaces, from so many tets on, the search of any start that is the best so far goes on, with all that is left
-#: where more than that share is stuck: ever fewer are, and shorter edges do not help, unless so many are stuck that there
-#: are too few points.
+#: where more than that share is stuck: ever fewer are, and shorter edges do not help, unless so many are stuck that
+#: there are too few points.
 _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
 #: Where more than this share of such a mesh is stuck, and not that many, no start has come back below it.
