@@ -37,7 +37,8 @@ struct Course {
 
 /// Lower the energy of all tets at once by L-BFGS, keeping the connectivity. Patch points move in the plane across
 /// `direction`, crease points along it, corners not at all; `curved` marks the points of curved patches and creases.
-/// Tets whose points are all held are not looked at. Returns the number of tet evaluations.
+/// Tets whose points nothing moves are not looked at, those between points that relaxation holds count more. Returns
+/// the number of tet evaluations.
 std::size_t descend(Cloud &cloud, const RestrictedDelaunay &complex, const std::vector<Vec3> &direction,
                     const energy::EnergyForm &form, const EdgeForm &edges, const std::vector<char> &curved,
                     const FitForm &fit, const std::vector<Tie> &ties, const Course &course, const Workers &workers);

@@ -15,7 +15,8 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
              double momentum, const Workers &workers);
 
 /// Fill holes and thin crowds of patch points: the middles of surface edges longer than `longest` sizes become points,
-/// and one end of edges shorter than `shortest` goes. Returns the number of changes.
+/// and one end of edges shorter than `shortest` goes, but no point of a row round a square crease. Returns the number
+/// of changes.
 int mend(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex, double longest,
          double shortest);
 

@@ -20,15 +20,25 @@ bool PartialRenewal::within(const Vec3 &p, double radii, double more) const {
                        [&](const Zone &zone) { return norm(p - zone.at) <= radii * zone.radius + more; });
 }
 
-void PartialRenewal::apply(Cloud &cloud, const domain::Sizing &sizing) const {
+void PartialRenewal::apply(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing) const {
     constexpr double apart = 0.75; // in sizes, of new points from old ones
     const auto hold = [&](const Vec3 &p) { return within(p, kBeside, 0.0) ? Hold::none : Hold::all; };
+    // Wires and flat rims with corners of their own have edges as near to them as is allowed: between other points they
+    // would cut across.
+    std::set<int> cornered;
+    for (std::size_t i = 0; i < cloud.count(); ++i)
+        if (cloud.role[i] == Stratum::crease && cloud.held[i] == Hold::descent && reference.bare(cloud.label[i]) &&
+            !reference.curves()[cloud.label[i]].straight)
+            cornered.insert(cloud.label[i]);
     Cloud old = mesh_;
+    for (std::size_t i = 0; i < old.count(); ++i)
+        if (old.role[i] == Stratum::crease && cornered.contains(old.label[i]))
+            old.held[i] = Hold::all;
     std::vector<char> stays(old.count());
     std::set<int> corners; // that stay
     PointGrid grid;
     for (std::size_t i = 0; i < old.count(); ++i) {
-        stays[i] = !reaches(old.points[i], 0.0);
+        stays[i] = old.held[i] == Hold::all || !reaches(old.points[i], 0.0);
         if (!stays[i])
             continue;
         if (old.role[i] == Stratum::corner)
@@ -52,7 +62,7 @@ void PartialRenewal::apply(Cloud &cloud, const domain::Sizing &sizing) const {
     for (std::size_t i = 0; i < old.count(); ++i)
         if (stays[i]) {
             cloud.add(old.points[i], old.role[i], old.label[i], old.size[i]);
-            cloud.held.back() = hold(old.points[i]);
+            cloud.held.back() = std::max(old.held[i], hold(old.points[i]));
         }
 }
 

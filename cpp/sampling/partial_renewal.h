@@ -23,9 +23,9 @@ class PartialRenewal {
     /// `mesh`: its points; corners that it leaves out stay where the surface has them.
     PartialRenewal(Cloud mesh, std::span<const Zone> zones);
 
-    /// Put the mesh's own points in place of the cloud's outside the zones. Beside the zones they may move, so that old
-    /// and new ones find together, elsewhere nothing moves them.
-    void apply(Cloud &cloud, const domain::Sizing &sizing) const;
+    /// Put the mesh's own points in place of the cloud's outside the zones, and on wires and flat rims with corners of
+    /// their own. These nothing moves, others beside the zones may, so that old and new ones find together.
+    void apply(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing) const;
     /// Whether a ball reaches into a zone.
     bool reaches(const Vec3 &center, double radius) const { return within(center, 1.0, radius); }
     /// Take the points out of the cloud that are too far from all zones to be neighbours of one that may move.

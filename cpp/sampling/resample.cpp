@@ -321,7 +321,7 @@ std::optional<Start> Resampling::make_start() {
     Cloud cloud = seeds();
     Cloud far; // from all that moves
     if (renewal) {
-        renewal->apply(cloud, sizing_);
+        renewal->apply(cloud, reference, sizing_);
         far = renewal->split_far(cloud);
     }
     if (cloud.count() > 0)

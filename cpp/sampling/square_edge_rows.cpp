@@ -66,13 +66,13 @@ class SquareRows {
         corners_ = square_corners(cloud_, reference_, chains);
         for (std::size_t i = 0; i < cloud_.count(); ++i)
             grid_.add(cloud_.points[i], kApart * cloud_.size[i]);
-        const auto places = std::views::iota(0, static_cast<int>(chains.size()));
-        for (const int c : places)
+        const auto curves = std::views::iota(0, static_cast<int>(chains.size()));
+        for (const int c : curves)
             if (meets_interface(c))
                 along(c, chains[c]);
         // Rims of one region between corners that have octants now: half a pattern is worse than none.
         const std::set<int> begun = begun_;
-        for (const int c : places)
+        for (const int c : curves)
             if (!chains[c].empty() && !meets_interface(c) && begun.contains(chains[c].front().point) &&
                 begun.contains(chains[c].back().point))
                 along(c, chains[c]);

@@ -22,6 +22,7 @@ void SurfaceBalance::run() {
     smooth();
     even_out();
     keep_areas(kKept);
+    keep_sheet_areas();
     if (!volumes_.empty())
         keep_volumes();
 }
@@ -143,6 +144,50 @@ void SurfaceBalance::keep_areas(double share) {
                 const Vec3 to = complex_.point(v) + (missing[p] / length) * unit(area_gradient(v, patch));
                 any |= much ? move_with_room(v, to) : move(v, to);
             }
+        }
+        if (!any)
+            return;
+    }
+}
+
+std::vector<char> SurfaceBalance::curved_sheets() const {
+    std::vector<char> sheets(guide_.patches(), 0);
+    for (const auto &[key, patch] : complex_.sorted_surface()) {
+        if (guide_.planar(patch) || sheets[patch])
+            continue;
+        std::vector<int> sides;
+        for (const int t : complex_.star(key[0]))
+            if (complex_.has(t, key[1]) && complex_.has(t, key[2]))
+                sides.push_back(complex_.region(t));
+        sheets[patch] = sides.size() == 2 && sides[0] == sides[1];
+    }
+    return sheets;
+}
+
+void SurfaceBalance::keep_sheet_areas() {
+    const std::vector<char> sheets = curved_sheets();
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        const std::vector<double> missing = missing_areas();
+        bool any = false;
+        for (std::size_t p = 0; p < sheets.size(); ++p) {
+            const int patch = static_cast<int>(p);
+            if (!sheets[p] || std::abs(missing[p]) <= kKept * guide_.area(patch))
+                continue;
+            // All together along their gradients, the way that changes the area most for how far they go.
+            std::vector<std::pair<int, Vec3>> gradients;
+            double squares = 0.0;
+            for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
+                const int v = static_cast<int>(k);
+                if (!complex_.used(v) || complex_.vertex(v).stratum == Stratum::interior)
+                    continue;
+                const Vec3 gradient = area_gradient(v, patch);
+                if (gradient == Vec3{} || !guide_.moves(complex_.vertex(v)))
+                    continue;
+                gradients.emplace_back(v, gradient);
+                squares += dot(gradient, gradient);
+            }
+            for (const auto &[v, gradient] : gradients)
+                any |= move(v, complex_.point(v) + (missing[p] / squares) * gradient);
         }
         if (!any)
             return;

@@ -10,8 +10,9 @@
 namespace wct::search {
 
 /// Shifts vertices of curved patches until the facets lie as much before a patch as behind it; then those of the curved
-/// rims of planes, in the plane, until these have their area; then curved patches again, until regions have their
-/// volume. Vertices stay where that would make a tet bad or leave the tolerance.
+/// rims of planes, in the plane, until these have their area, and curved sheets inside a region, which have no volume
+/// to keep, until they have theirs; then curved patches again, until regions have their volume. Vertices stay where
+/// that would make a tet bad or leave the tolerance.
 class SurfaceBalance {
   public:
     /// `volumes` that the regions are to have, by number; empty: any.
@@ -39,6 +40,9 @@ class SurfaceBalance {
     std::vector<double> missing_areas() const;
     /// Per planar patch the vertices of its curved creases.
     std::vector<std::vector<int>> curved_rims() const;
+    /// Patches that are not planar and have one region on both sides.
+    std::vector<char> curved_sheets() const;
+    void keep_sheet_areas();
     void keep_volumes();
     /// Mean signed distance of the facets from each curved patch, in front of its triangles positive.
     std::vector<double> offsets();

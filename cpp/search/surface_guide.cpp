@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <tuple>
 
@@ -75,6 +76,19 @@ template <class Cells> double least_of(const SurfaceGuide::Surface &surface, con
             if (!surface.local.empty())
                 tolerance = std::min(tolerance, surface.local[v]);
     return tolerance;
+}
+
+/// The greatest angle that segments of a curve turn by where they meet, up to a right one.
+double greatest_turn(const std::vector<Vec3> &points, const std::vector<Edge> &segments) {
+    double turn = 0.0;
+    std::map<int, Vec3> leaving; // unit vector from a point along its first segment
+    for (const Edge &s : segments)
+        for (int k = 0; k < 2; ++k) {
+            const Vec3 way = unit(points[s[1 - k]] - points[s[k]]);
+            if (const auto [at, first] = leaving.try_emplace(s[k], way); !first)
+                turn = std::max(turn, angle(at->second, -1.0 * way));
+        }
+    return std::min(turn, 0.5 * std::numbers::pi);
 }
 
 /// The least tolerance at the corners of each piece of a tree over these triangles, which orders them in its own way.
@@ -173,6 +187,8 @@ void SurfaceGuide::make_curves(const Surface &surface) {
                        geometry::is_flat(off, extent, flat);
         one.bare = !one.straight && std::none_of(members.begin(), members.end(),
                                                  [&](const Edge &s) { return curved.contains(sorted(s[0], s[1])); });
+        if (one.bare) // its corners are off an edge that cuts across them by more than the edge is off the curve
+            one.tolerance *= std::cos(0.5 * greatest_turn(points, members));
         one.parting = !members.empty() && std::all_of(members.begin(), members.end(), [&](const Edge &s) {
             const auto at = curved.find(sorted(s[0], s[1]));
             return at != curved.end() && at->second > 1;
@@ -360,6 +376,19 @@ bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const 
     const bool from_p = std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
     std::int32_t first = 0;
     return kAlong.all_near(guide.tree, from_p ? p : q, from_p ? q : p, guide.tolerance, first);
+}
+
+double SurfaceGuide::crease_gap(int curve, const Vec3 &p, const Vec3 &q) const {
+    constexpr int parts = 16;
+    double most = 0.0;
+    std::int32_t hint = 0;
+    for (int k = 0; k <= parts; ++k) {
+        const Vec3 x = p + (static_cast<double>(k) / parts) * (q - p);
+        const auto found = curves_[curve].tree.closest(x, hint);
+        hint = found.piece;
+        most = std::max(most, norm(x - found.point));
+    }
+    return most;
 }
 
 } // namespace wct::search

@@ -87,6 +87,8 @@ class SurfaceGuide {
     /// Whether the edge pq is near the curve: the same answer for qp, or what one end is allowed would not bind the
     /// other, and within rounding of the tolerance the edge would be held no more.
     bool allows_crease(int curve, const Vec3 &p, const Vec3 &q) const;
+    /// How far the edge pq is from the curve, as found at some places.
+    double crease_gap(int curve, const Vec3 &p, const Vec3 &q) const;
     /// Whether the curve bends and no curved patch is beside it, as round a flat sheet and along a wire: then no facet
     /// that is held near its patch holds the crease near the curve.
     bool bare(int curve) const { return curves_[curve].bare; }

@@ -159,9 +159,10 @@ void SurfaceWatch::gather(int v) {
         for (const int t : complex_.star(v))
             for (const int w : complex_.tet(t))
                 if (w != v && complex_.curve_of(v, w) == vertex.label &&
-                    std::find(along_.begin(), along_.end(), w) == along_.end() &&
-                    guide_.allows_crease(vertex.label, vertex.position, complex_.point(w)))
-                    along_.push_back(w);
+                    std::ranges::find(along_, w, &Along::end) == along_.end())
+                    along_.push_back({w, guide_.allows_crease(vertex.label, vertex.position, complex_.point(w))
+                                             ? 0.0
+                                             : guide_.crease_gap(vertex.label, vertex.position, complex_.point(w))});
     complex_.surface_at(v, facets_);
     for (const auto &[key, facet] : facets_)
         old_.push_back(present(key, *facet));
@@ -177,8 +178,11 @@ void SurfaceWatch::gather(int v) {
 }
 
 bool SurfaceWatch::creases_allow(const Vec3 &x) const {
-    return std::all_of(along_.begin(), along_.end(), [&](int w) {
-        return guide_.allows_crease(complex_.vertex(vertex_).label, x, complex_.point(w));
+    const int curve = complex_.vertex(vertex_).label;
+    return std::ranges::all_of(along_, [&](const Along &edge) {
+        const Vec3 &end = complex_.point(edge.end);
+        return guide_.allows_crease(curve, x, end) ||
+               (edge.gap > 0.0 && guide_.crease_gap(curve, x, end) <= edge.gap * kRounding);
     });
 }
 

@@ -117,8 +117,13 @@ class SurfaceWatch {
 
     TetComplex &complex_;
     const SurfaceGuide &guide_;
-    int vertex_ = -1;        // that moves, or -1 while facets are replaced
-    std::vector<int> along_; // ends of its creases that no facet holds near their curve, and that are near it
+    int vertex_ = -1; // that moves, or -1 while facets are replaced
+    /// An edge of its crease, where no facet holds that near its curve.
+    struct Along {
+        int end;
+        double gap; // from the curve, where it is beyond the tolerance; else 0
+    };
+    std::vector<Along> along_;
     std::vector<Piece> old_;
     std::vector<Piece> new_;
     std::vector<Handed> handed_;

@@ -70,6 +70,46 @@ def test_only_what_is_near_the_places_changes(right):
     assert measure(TetMesh(again.mesh.points, again.mesh.tets)).volume.sum() == pytest.approx(1.0, rel=1e-12)
 
 
+def with_loop(corners):
+    """The surface of the unit cube, and in it a regular polygon as a wire: its curve 12."""
+    surface = cube_surface()
+    turns = 2.0 * np.pi * np.arange(corners) / corners
+    loop = np.column_stack([0.5 + 0.3 * np.cos(turns), 0.5 + 0.3 * np.sin(turns), np.full(corners, 0.5)])
+    ring = len(surface.points) + np.column_stack([np.arange(corners), np.roll(np.arange(corners), -1)])
+    return replace(
+        surface,
+        points=np.vstack([surface.points, loop]),
+        segments=np.vstack([surface.segments, ring]),
+        curve=np.concatenate([surface.curve, np.full(corners, 12)]),
+    ), loop
+
+
+def farthest(places, starts, ends):
+    """How far the places (n, 3) are from segments at most."""
+    ways = ends - starts
+    along = np.einsum("nmi,mi->nm", places[:, None] - starts, ways) / np.einsum("mi,mi->m", ways, ways)
+    feet = starts + np.clip(along, 0.0, 1.0)[..., None] * ways
+    return np.linalg.norm(places[:, None] - feet, axis=2).min(axis=1).max()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wire_made_anew_in_places_stays_within_the_tolerance_of_its_own(right, seed):
+    given, _ = right
+    surface, loop = with_loop(11)
+    tolerance = 3e-3
+    start = _core.resample(surface, given, ResampleOptions(tolerance, seed=seed))
+    found = _core.search_well_centered(start.mesh, surface, SearchOptions(tolerance, seed=seed))
+    place = 0.5 * (loop[3] + loop[4])
+    asked = kept(found.mesh, place, 0.25)
+    again = _core.resample(surface, given, ResampleOptions(tolerance, seed=seed + 1), kept=asked).mesh
+    assert set(map(tuple, again.points.tolist())) != set(map(tuple, found.mesh.points.tolist()))
+    for mesh in (found.mesh, again):
+        wire = mesh.points[mesh.creases[mesh.crease_curve == 12]]
+        on = np.vstack([wire[:, 0] + share * (wire[:, 1] - wire[:, 0]) for share in np.linspace(0.0, 1.0, 21)])
+        assert farthest(on, loop, np.roll(loop, -1, axis=0)) <= tolerance
+        assert farthest(loop, wire[:, 0], wire[:, 1]) <= tolerance
+
+
 def test_strata_that_there_are_not_are_refused(right):
     given, found = right
     whole = kept(found.mesh, [0.5, 0.5, 0.5], 0.1)
