@@ -79,8 +79,16 @@ def made_well_centered(mesh):
 
 @pytest.mark.parametrize(
     ("build", "size"),
-    [(square, 0.14), (disc, 0.14), (ring, 0.14), (from_the_wall, 0.14), (across, 0.14), (half_tube, 0.14)]
-    + [(half_tube, 0.15), (half_tube, 0.17)],
+    [
+        (square, 0.14),
+        (disc, 0.14),
+        (ring, 0.14),
+        (from_the_wall, 0.14),
+        (across, 0.14),
+        (half_tube, 0.14),
+        (half_tube, 0.15),
+        (half_tube, 0.17),
+    ],
 )
 def test_a_sheet_has_tets_on_both_sides(build, size, tmp_path):
     old = embedded(tmp_path, build, size)
