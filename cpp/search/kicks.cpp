@@ -210,7 +210,7 @@ bool Kicks::once() {
     shake(t, kick, refine);
     const double chance = random_.uniform();
     const double worse = equal + (failures < kTried ? 0.0 : most * chance * std::sqrt(chance));
-    const bool keep = repair(center, radius, worse) && complex_.over_count() <= over;
+    const bool keep = repair(center, radius, worse) && complex_.over_count() <= over && (!allowed || allowed());
     operators_.shortest /= scale;
     operators_.longest /= scale;
     if (!keep) {

@@ -3,6 +3,7 @@
 #include "search/bad_tet_queue.h"
 #include "search/repair.h"
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -28,6 +29,8 @@ class Kicks {
     bool tried();
     /// Kick at the bad tet tried least; there must be one. True if the mesh got better by a bad tet.
     bool once();
+    /// Whether what a kick has come to may stay; empty: any.
+    std::function<bool()> allowed;
 
   private:
     struct Kick {

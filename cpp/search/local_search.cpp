@@ -110,7 +110,8 @@ void LocalSearch::widen_margins(const SearchProgress &progress) {
     const int before = count_bad(); // on facets that rule the goal out
     const TetComplex saved = complex_;
     adopt(margin_form(options_.acute, options_.margin));
-    sweep(1);
+    if (!kicks_.allowed) // which a sweep does not ask
+        sweep(1);
     kick_until_good(progress, "margin", bearable);
     // Several margins may have been bought with a tet that misses the goal.
     adopt(sharp_form(options_.acute));
@@ -191,6 +192,33 @@ long LocalSearch::hurried(int bad) const {
     return std::max(options_.kicks / least, options_.kicks / most / std::max(bad, 1));
 }
 
+void LocalSearch::keep_by_force(SurfaceBalance &balance, const SearchProgress &progress,
+                                const std::function<long(int)> &bearable) {
+    constexpr int most = 6; // attempts
+    // What may still be missed when all tets are mended, of what was: more where that did not come to good.
+    constexpr double half = 0.5, more = 0.25;
+    const std::vector<char> patches = balance.kept_patches();
+    double missed = balance.missed(patches), share = half;
+    for (int attempt = 0; attempt < most && missed > 0.0 && share < 1.0 && !outcome_.stopped; ++attempt) {
+        const TetComplex saved = complex_;
+        adopt(sharp_form(options_.acute));
+        balance.force();
+        const double bound = std::max(share * missed, balance.missed(patches));
+        kicks_.allowed = [&] { return balance.missed(patches) <= bound; };
+        const bool good = bound < missed && kick_until_good(progress, "kicks", bearable);
+        if (good)
+            widen_margins(progress);
+        kicks_.allowed = nullptr;
+        const double now = balance.missed(patches);
+        if (good && now < missed) {
+            missed = now;
+        } else {
+            complex_ = saved;
+            share += more;
+        }
+    }
+}
+
 SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     const auto report = [&](const char *phase, double done) {
         outcome_.bad = count_bad();
@@ -224,6 +252,8 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     }
     if (good || outcome_.stopped || !options_.hurry) // else more is to come
         balance.run();
+    if (good && !options_.volumes.empty())
+        keep_by_force(balance, progress, bearable);
     adopt(sharp_form(options_.acute));
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());

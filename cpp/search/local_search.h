@@ -8,6 +8,8 @@
 
 namespace wct::search {
 
+class SurfaceBalance;
+
 struct SearchOptions {
     bool acute = true;    // aim at CWC; otherwise at 3WC alone
     double margin = 0.02; // clearance in h/R and cosine aimed at once all tets meet the goal
@@ -73,6 +75,10 @@ class LocalSearch {
     bool kick_until_good(const SearchProgress &progress, const char *phase, const std::function<long(int)> &bearable);
     /// Where all tets meet the goal: more clearance for those that do so narrowly, and none the worse for it.
     void widen_margins(const SearchProgress &progress);
+    /// Where volumes or areas are missed after the balance, as no vertex may move without making a tet bad: they are
+    /// moved all the same, and the tets mended, if that comes to good.
+    void keep_by_force(SurfaceBalance &balance, const SearchProgress &progress,
+                       const std::function<long(int)> &bearable);
 
     TetComplex &complex_;
     const SurfaceGuide &guide_;

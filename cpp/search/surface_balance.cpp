@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 namespace wct::search {
 
@@ -22,9 +24,10 @@ void SurfaceBalance::run() {
     smooth();
     even_out();
     keep_areas(kKept);
-    keep_sheet_areas();
     if (!volumes_.empty())
         keep_volumes();
+    if (has_curved_inside())
+        keep_measures(false);
 }
 
 void SurfaceBalance::smooth() {
@@ -150,44 +153,134 @@ void SurfaceBalance::keep_areas(double share) {
     }
 }
 
-std::vector<char> SurfaceBalance::curved_sheets() const {
-    std::vector<char> sheets(guide_.patches(), 0);
+/// What is to be kept, the volume of a region or the area of a patch: how much is missing, and how it changes with the
+/// vertices.
+struct SurfaceBalance::Measure {
+    double target = 0.0, missing = 0.0;
+    std::map<int, Vec3> gradient{};
+    double squares = 0.0; // of the gradient
+
+    double share() const { return std::abs(missing) / target; }
+};
+
+std::vector<char> SurfaceBalance::kept_patches() const {
+    std::vector<char> kept(guide_.patches(), 0);
+    const std::vector<std::vector<int>> rims = curved_rims();
+    for (std::size_t p = 0; p < kept.size(); ++p)
+        kept[p] = !rims[p].empty();
     for (const auto &[key, patch] : complex_.sorted_surface()) {
-        if (guide_.planar(patch) || sheets[patch])
-            continue;
-        std::vector<int> sides;
-        for (const int t : complex_.star(key[0]))
-            if (complex_.has(t, key[1]) && complex_.has(t, key[2]))
-                sides.push_back(complex_.region(t));
-        sheets[patch] = sides.size() == 2 && sides[0] == sides[1];
+        const auto &[a, b, c] = key;
+        const auto beside = [&](int t) { return complex_.has(t, b) && complex_.has(t, c); };
+        kept[patch] = kept[patch] || (!guide_.planar(patch) && std::ranges::count_if(complex_.star(a), beside) > 1);
     }
-    return sheets;
+    return kept;
 }
 
-void SurfaceBalance::keep_sheet_areas() {
-    const std::vector<char> sheets = curved_sheets();
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        const std::vector<double> missing = missing_areas();
-        bool any = false;
-        for (std::size_t p = 0; p < sheets.size(); ++p) {
-            const int patch = static_cast<int>(p);
-            if (!sheets[p] || std::abs(missing[p]) <= kKept * guide_.area(patch))
+std::vector<SurfaceBalance::Measure> SurfaceBalance::measures(const std::vector<char> &kept) const {
+    const std::vector<double> missing = missing_areas();
+    std::vector<Measure> all;
+    for (std::size_t p = 0; p < kept.size(); ++p)
+        if (kept[p])
+            all.push_back({guide_.area(static_cast<int>(p)), missing[p]});
+    const std::size_t first = all.size(); // volumes last: where not all can be had, these are met
+    for (const double volume : volumes_)
+        all.push_back({volume, volume});
+    for (std::size_t k = 0; k < complex_.tet_slots() && !volumes_.empty(); ++k)
+        if (const int t = static_cast<int>(k); complex_.alive(t))
+            all[first + complex_.region(t)].missing -= volume_of(complex_, complex_.tet(t));
+    return all;
+}
+
+void SurfaceBalance::add_gradients(const std::vector<char> &kept, std::vector<Measure> &all) const {
+    std::vector<int> number(kept.size(), -1);
+    int first = 0;
+    for (std::size_t p = 0; p < kept.size(); ++p)
+        if (kept[p])
+            number[p] = first++;
+    for (const auto &[key, patch] : complex_.sorted_surface()) {
+        const std::array<Vec3, 3> corners = complex_.corners(key);
+        const Vec3 normal = normal_of(corners);
+        for (const int t : complex_.star(key[0])) {
+            if (volumes_.empty() || !complex_.has(t, key[1]) || !complex_.has(t, key[2]))
                 continue;
-            // All together along their gradients, the way that changes the area most for how far they go.
-            std::vector<std::pair<int, Vec3>> gradients;
-            double squares = 0.0;
-            for (std::size_t k = 0; k < complex_.vertex_slots(); ++k) {
-                const int v = static_cast<int>(k);
-                if (!complex_.used(v) || complex_.vertex(v).stratum == Stratum::interior)
-                    continue;
-                const Vec3 gradient = area_gradient(v, patch);
-                if (gradient == Vec3{} || !guide_.moves(complex_.vertex(v)))
-                    continue;
-                gradients.emplace_back(v, gradient);
-                squares += dot(gradient, gradient);
-            }
-            for (const auto &[v, gradient] : gradients)
-                any |= move(v, complex_.point(v) + (missing[p] / squares) * gradient);
+            const double out = dot(complex_.centroid(t) - corners[0], normal) < 0.0 ? 1.0 : -1.0;
+            for (const int v : key)
+                all[first + complex_.region(t)].gradient[v] += (out / 6.0) * normal;
+        }
+        for (std::size_t i = 0; i < 3 && number[patch] >= 0; ++i) // half the opposite edge, turned towards the vertex
+            all[number[patch]].gradient[key[i]] +=
+                0.5 * cross(unit(normal), corners[(i + 2) % 3] - corners[(i + 1) % 3]);
+    }
+    for (Measure &one : all)
+        for (auto &[v, gradient] : one.gradient) {
+            const Vertex &vertex = complex_.vertex(v);
+            Vec3 x = vertex.position;
+            gradient = guide_.moves(vertex) ? guide_.admit(vertex, x).of(gradient) : Vec3{};
+            one.squares += dot(gradient, gradient);
+        }
+}
+
+/// Small steps that give each what it misses beyond what is borne, found one after the other, again and again
+/// (Kaczmarz).
+std::map<int, Vec3> SurfaceBalance::steps_for(const std::vector<Measure> &measures) {
+    constexpr int rounds = 30;
+    std::map<int, Vec3> steps;
+    for (int round = 0; round < rounds; ++round)
+        for (const Measure &one : measures) {
+            double left = one.missing;
+            for (const auto &[v, gradient] : one.gradient)
+                left -= dot(gradient, steps[v]);
+            const double borne = kAimed * one.target;
+            if (std::abs(left) <= borne || one.squares == 0.0)
+                continue;
+            left -= std::copysign(borne, left);
+            for (const auto &[v, gradient] : one.gradient)
+                steps[v] += (left / one.squares) * gradient;
+        }
+    return steps;
+}
+
+double SurfaceBalance::missed(const std::vector<char> &kept) const {
+    double sum = 0.0;
+    for (const Measure &one : measures(kept))
+        sum += std::max(0.0, one.share() - kBorne);
+    return sum;
+}
+
+bool SurfaceBalance::has_curved_inside() const {
+    const auto facets = complex_.sorted_surface();
+    return std::ranges::any_of(facets, [&](const auto &facet) {
+        const auto &[a, b, c] = facet.first;
+        const std::vector<int> &star = complex_.star(a);
+        return !guide_.planar(facet.second) &&
+               std::ranges::count_if(star, [&](int t) { return complex_.has(t, b) && complex_.has(t, c); }) > 1;
+    });
+}
+
+void SurfaceBalance::force() {
+    keep_measures(true);
+}
+
+void SurfaceBalance::keep_measures(bool forced) {
+    const double most = 0.5 * guide_.tolerance(); // of a step
+    const std::vector<char> kept = kept_patches();
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        std::vector<Measure> all = measures(kept);
+        if (std::ranges::all_of(all, [](const Measure &one) { return one.share() <= kBorne; }))
+            return;
+        add_gradients(kept, all);
+        std::set<int> much; // vertices of what misses so much that the mesh beside is to make room
+        for (const Measure &one : all)
+            if (one.share() > kMuch)
+                for (const auto &[v, gradient] : one.gradient)
+                    much.insert(v);
+        bool any = false;
+        for (const auto &[v, step] : steps_for(all)) {
+            const double length = norm(step);
+            if (length == 0.0)
+                continue;
+            const Vec3 to = complex_.point(v) + std::min(1.0, most / length) * step;
+            any |= forced ? descent_.nudge(v, to) : much.contains(v) ? move_with_room(v, to) : move(v, to);
         }
         if (!any)
             return;

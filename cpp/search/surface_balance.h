@@ -4,15 +4,16 @@
 #include "search/tet_complex.h"
 #include "search/vertex_descent.h"
 
+#include <map>
 #include <span>
 #include <vector>
 
 namespace wct::search {
 
 /// Shifts vertices of curved patches until the facets lie as much before a patch as behind it; then those of the curved
-/// rims of planes, in the plane, until these have their area, and curved sheets inside a region, which have no volume
-/// to keep, until they have theirs; then curved patches again, until regions have their volume. Vertices stay where
-/// that would make a tet bad or leave the tolerance.
+/// rims of planes, in the plane, until these have their area; then curved patches again, until regions have their
+/// volume; and where there are curved patches inside, all that have a measure to keep at once. Vertices stay where that
+/// would make a tet bad or leave the tolerance.
 class SurfaceBalance {
   public:
     /// `volumes` that the regions are to have, by number; empty: any.
@@ -24,10 +25,18 @@ class SurfaceBalance {
     /// Only what planes with curved rims miss of their areas, where that is much: while nothing but the goal itself is
     /// asked for, more vertices can move.
     void keep_areas_roughly() { keep_areas(kMuch); }
+    /// What volumes of regions and areas of patches still miss beyond what is borne, in shares of each, summed.
+    double missed(const std::vector<char> &kept) const;
+    /// The patches whose areas count: planes with curved rims, and curved ones inside.
+    std::vector<char> kept_patches() const;
+    /// Give them what they miss where the tolerance allows, whatever tets that makes bad: they are to be mended.
+    void force();
 
   private:
     static constexpr double kMuch = 1e-3; // of an area: for more than that the mesh beside makes room
     static constexpr double kKept = 1e-4; // of an area or volume
+    /// The same of what cannot all be exact, as the area and the volume in a coarse sphere, and what is aimed at then.
+    static constexpr double kBorne = 4.5e-3, kAimed = 2.5e-3;
 
     /// Each vertex of a curved patch half-way to the mean height of its neighbours, as none is higher for the surface's
     /// sake.
@@ -40,10 +49,15 @@ class SurfaceBalance {
     std::vector<double> missing_areas() const;
     /// Per planar patch the vertices of its curved creases.
     std::vector<std::vector<int>> curved_rims() const;
-    /// Patches that are not planar and have one region on both sides.
-    std::vector<char> curved_sheets() const;
-    void keep_sheet_areas();
     void keep_volumes();
+    struct Measure;
+    /// The areas of these patches and the volumes of all regions, yet without gradients.
+    std::vector<Measure> measures(const std::vector<char> &kept) const;
+    void add_gradients(const std::vector<char> &kept, std::vector<Measure> &all) const;
+    static std::map<int, Vec3> steps_for(const std::vector<Measure> &measures);
+    /// All of them at once; `forced`: whatever tets that makes bad.
+    void keep_measures(bool forced);
+    bool has_curved_inside() const;
     /// Mean signed distance of the facets from each curved patch, in front of its triangles positive.
     std::vector<double> offsets();
     /// Move v to x, if nothing speaks against it.

@@ -38,6 +38,16 @@ def ball_in_box(folder: Path, size: float) -> TetMesh:
     return meshed(folder, build, size)
 
 
+def crossing_balls(folder: Path, size: float) -> TetMesh:
+    """Two balls of radius 1, their centers 1.2 apart: a lens, and a crescent at either side of it."""
+
+    def build() -> None:
+        gmsh.model.occ.addSphere(0, 0, -0.6, 1.0)
+        gmsh.model.occ.addSphere(0, 0, 0.6, 1.0)
+
+    return meshed(folder, build, size)
+
+
 def via(folder: Path, size: float) -> TetMesh:
     """A plate of two layers, the lower one .4 and the upper .2 thick, and a rod of radius .15 half through each."""
 

@@ -49,6 +49,25 @@ TEST_CASE("Repair: a pass lowers the energy and leaves a mesh") {
     }
 }
 
+TEST_CASE("Kicks: what is not allowed is taken back, what is allowed stays") {
+    KickBench bench(cube(3, 0.3, 12), 1);
+    bench.kicks.restart();
+    const State before(bench.complex);
+    int asked = 0;
+    bench.kicks.allowed = [&] {
+        ++asked;
+        return false;
+    };
+    for (int k = 0; k < 20; ++k)
+        CHECK_FALSE(bench.kicks.once());
+    CHECK(asked > 0);
+    CHECK(difference(before, State(bench.complex)) == "");
+    bench.kicks.allowed = nullptr;
+    for (int k = 0; k < 20 && bench.kicks.bad() > 0; ++k)
+        bench.kicks.once();
+    CHECK(difference(before, State(bench.complex)) != "");
+}
+
 TEST_CASE("Repair: good tets are left alone, and so is what was tried in vain until something changes near it") {
     KickBench bench(cube(3, 0.3, 12), 1);
     std::vector<int> good;

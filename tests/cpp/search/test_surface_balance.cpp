@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace wct::tests {
@@ -54,6 +55,25 @@ TEST_CASE("SurfaceBalance: a coarse mesh on the sphere moves out until it has th
     search::SurfaceBalance(bench.complex, bench.energy, bench.guide, bench.descent, std::vector<double>{asked}).run();
     CHECK(volumes(bench.complex)[0] == doctest::Approx(asked).epsilon(2e-4));
     CHECK(bad_in(bench) <= bad);
+    CHECK(bench.complex.over_count() <= over);
+    CHECK(fault(bench.complex) == "");
+}
+
+TEST_CASE("SurfaceBalance: by force a volume is met, whatever tets that makes bad, within the tolerance") {
+    constexpr double tolerance = 0.06, more = 1.02, borne = 4.5e-3;
+    const Start start = resampled(ball(4, 0.0, 1), tolerance, 2);
+    REQUIRE(start.intact);
+    Bench bench(start.body, tolerance);
+    const double before = volumes(bench.complex)[0];
+    const int over = bench.complex.over_count();
+    const std::vector<double> asked{more * before};
+    search::SurfaceBalance balance(bench.complex, bench.energy, bench.guide, bench.descent, asked);
+    const std::vector<char> patches = balance.kept_patches();
+    CHECK(std::count(patches.begin(), patches.end(), 1) == 0); // no plane with a curved rim, no patch inside
+    CHECK(balance.missed(patches) == doctest::Approx(1.0 - 1.0 / more - borne));
+    balance.force();
+    CHECK(balance.missed(patches) == 0.0);
+    CHECK(std::abs(volumes(bench.complex)[0] - asked[0]) <= borne * asked[0]);
     CHECK(bench.complex.over_count() <= over);
     CHECK(fault(bench.complex) == "");
 }
