@@ -44,15 +44,10 @@ SearchForm margin_form(bool acute, double margin) {
     return form;
 }
 
-/// Whether there are interfaces or sheets: facets of the surface with tets on both sides.
+/// Whether there are interfaces or sheets.
 bool has_inner_facets(const TetComplex &complex) {
     const auto facets = complex.sorted_surface();
-    return std::any_of(facets.begin(), facets.end(), [&](const auto &facet) {
-        const auto &[a, b, c] = facet.first;
-        const std::vector<int> &star = complex.star(a);
-        return std::count_if(star.begin(), star.end(), [&](int t) { return complex.has(t, b) && complex.has(t, c); }) >
-               1;
-    });
+    return std::ranges::any_of(facets, [&](const auto &facet) { return complex.has_both_sides(facet.first); });
 }
 } // namespace
 
@@ -202,7 +197,7 @@ void LocalSearch::keep_by_force(SurfaceBalance &balance, const SearchProgress &p
     for (int attempt = 0; attempt < most && missed > 0.0 && share < 1.0 && !outcome_.stopped; ++attempt) {
         const TetComplex saved = complex_;
         adopt(sharp_form(options_.acute));
-        balance.force();
+        balance.force(patches);
         const double bound = std::max(share * missed, balance.missed(patches));
         kicks_.allowed = [&] { return balance.missed(patches) <= bound; };
         const bool good = bound < missed && kick_until_good(progress, "kicks", bearable);

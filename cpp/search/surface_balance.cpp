@@ -18,6 +18,12 @@ double volume_of(const TetComplex &complex, const Tet &tet) {
     return six_volumes(complex.point(tet[0]), complex.point(tet[1]), complex.point(tet[2]), complex.point(tet[3])) /
            6.0;
 }
+
+/// How the area of a triangle changes with its apex: half the edge from a to b, turned in its plane towards the apex.
+Vec3 triangle_gradient(const Vec3 &apex, const Vec3 &a, const Vec3 &b) {
+    const Vec3 edge = b - a, n = cross(edge, apex - a);
+    return 0.5 * cross(unit(n), edge);
+}
 } // namespace
 
 void SurfaceBalance::run() {
@@ -26,8 +32,10 @@ void SurfaceBalance::run() {
     keep_areas(kKept);
     if (!volumes_.empty())
         keep_volumes();
-    if (has_curved_inside())
-        keep_measures(false);
+    const std::vector<char> kept = kept_patches();
+    for (std::size_t p = 0; p < kept.size(); ++p)
+        if (kept[p] && !guide_.planar(static_cast<int>(p))) // there is a curved one inside
+            return keep_measures(kept, false);
 }
 
 void SurfaceBalance::smooth() {
@@ -96,9 +104,7 @@ Vec3 SurfaceBalance::area_gradient(int v, int patch) const {
         for (const int w : key)
             if (w != v)
                 others[count++] = complex_.point(w);
-        // Half the opposite edge, turned in the plane towards v.
-        const Vec3 edge = others[1] - others[0], n = cross(edge, complex_.point(v) - others[0]);
-        sum += 0.5 * cross(unit(n), edge);
+        sum += triangle_gradient(complex_.point(v), others[0], others[1]);
     }
     return sum;
 }
@@ -125,6 +131,14 @@ std::vector<double> SurfaceBalance::missing_areas() const {
         missing[patch] = guide_.area(static_cast<int>(patch));
     for (const auto &[key, patch] : complex_.sorted_surface())
         missing[patch] -= 0.5 * norm(normal_of(complex_.corners(key)));
+    return missing;
+}
+
+std::vector<double> SurfaceBalance::missing_volumes() const {
+    std::vector<double> missing(volumes_.begin(), volumes_.end());
+    for (std::size_t k = 0; k < complex_.tet_slots() && !volumes_.empty(); ++k)
+        if (const int t = static_cast<int>(k); complex_.alive(t))
+            missing[complex_.region(t)] -= volume_of(complex_, complex_.tet(t));
     return missing;
 }
 
@@ -168,26 +182,22 @@ std::vector<char> SurfaceBalance::kept_patches() const {
     const std::vector<std::vector<int>> rims = curved_rims();
     for (std::size_t p = 0; p < kept.size(); ++p)
         kept[p] = !rims[p].empty();
-    for (const auto &[key, patch] : complex_.sorted_surface()) {
-        const auto &[a, b, c] = key;
-        const auto beside = [&](int t) { return complex_.has(t, b) && complex_.has(t, c); };
-        kept[patch] = kept[patch] || (!guide_.planar(patch) && std::ranges::count_if(complex_.star(a), beside) > 1);
-    }
+    for (const auto &[key, patch] : complex_.sorted_surface())
+        kept[patch] = kept[patch] || (!guide_.planar(patch) && complex_.has_both_sides(key));
     return kept;
 }
 
 std::vector<SurfaceBalance::Measure> SurfaceBalance::measures(const std::vector<char> &kept) const {
-    const std::vector<double> missing = missing_areas();
     std::vector<Measure> all;
-    for (std::size_t p = 0; p < kept.size(); ++p)
-        if (kept[p])
-            all.push_back({guide_.area(static_cast<int>(p)), missing[p]});
-    const std::size_t first = all.size(); // volumes last: where not all can be had, these are met
-    for (const double volume : volumes_)
-        all.push_back({volume, volume});
-    for (std::size_t k = 0; k < complex_.tet_slots() && !volumes_.empty(); ++k)
-        if (const int t = static_cast<int>(k); complex_.alive(t))
-            all[first + complex_.region(t)].missing -= volume_of(complex_, complex_.tet(t));
+    if (std::ranges::find(kept, 1) != kept.end()) { // else the facets need not be gone through
+        const std::vector<double> areas = missing_areas();
+        for (std::size_t p = 0; p < kept.size(); ++p)
+            if (kept[p])
+                all.push_back({guide_.area(static_cast<int>(p)), areas[p]});
+    }
+    const std::vector<double> volumes = missing_volumes(); // last: where not all can be had, these are met
+    for (std::size_t r = 0; r < volumes.size(); ++r)
+        all.push_back({volumes_[r], volumes[r]});
     return all;
 }
 
@@ -207,9 +217,9 @@ void SurfaceBalance::add_gradients(const std::vector<char> &kept, std::vector<Me
             for (const int v : key)
                 all[first + complex_.region(t)].gradient[v] += (out / 6.0) * normal;
         }
-        for (std::size_t i = 0; i < 3 && number[patch] >= 0; ++i) // half the opposite edge, turned towards the vertex
+        for (std::size_t i = 0; i < 3 && number[patch] >= 0; ++i)
             all[number[patch]].gradient[key[i]] +=
-                0.5 * cross(unit(normal), corners[(i + 2) % 3] - corners[(i + 1) % 3]);
+                triangle_gradient(corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
     }
     for (Measure &one : all)
         for (auto &[v, gradient] : one.gradient) {
@@ -247,23 +257,8 @@ double SurfaceBalance::missed(const std::vector<char> &kept) const {
     return sum;
 }
 
-bool SurfaceBalance::has_curved_inside() const {
-    const auto facets = complex_.sorted_surface();
-    return std::ranges::any_of(facets, [&](const auto &facet) {
-        const auto &[a, b, c] = facet.first;
-        const std::vector<int> &star = complex_.star(a);
-        return !guide_.planar(facet.second) &&
-               std::ranges::count_if(star, [&](int t) { return complex_.has(t, b) && complex_.has(t, c); }) > 1;
-    });
-}
-
-void SurfaceBalance::force() {
-    keep_measures(true);
-}
-
-void SurfaceBalance::keep_measures(bool forced) {
+void SurfaceBalance::keep_measures(const std::vector<char> &kept, bool forced) {
     const double most = 0.5 * guide_.tolerance(); // of a step
-    const std::vector<char> kept = kept_patches();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         std::vector<Measure> all = measures(kept);
         if (std::ranges::all_of(all, [](const Measure &one) { return one.share() <= kBorne; }))
@@ -289,10 +284,7 @@ void SurfaceBalance::keep_measures(bool forced) {
 
 void SurfaceBalance::keep_volumes() {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        std::vector<double> missing(volumes_.begin(), volumes_.end());
-        for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
-            if (const int t = static_cast<int>(k); complex_.alive(t))
-                missing[complex_.region(t)] -= volume_of(complex_, complex_.tet(t));
+        const std::vector<double> missing = missing_volumes();
         bool kept = true;
         for (std::size_t r = 0; r < missing.size(); ++r)
             kept = kept && std::abs(missing[r]) <= kKept * volumes_[r];

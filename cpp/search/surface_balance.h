@@ -25,12 +25,12 @@ class SurfaceBalance {
     /// Only what planes with curved rims miss of their areas, where that is much: while nothing but the goal itself is
     /// asked for, more vertices can move.
     void keep_areas_roughly() { keep_areas(kMuch); }
-    /// What volumes of regions and areas of patches still miss beyond what is borne, in shares of each, summed.
-    double missed(const std::vector<char> &kept) const;
-    /// The patches whose areas count: planes with curved rims, and curved ones inside.
+    /// Which patches have an area to keep: planes with curved rims, and curved ones inside.
     std::vector<char> kept_patches() const;
+    /// What volumes of regions and areas of these patches still miss beyond what is borne, in shares of each, summed.
+    double missed(const std::vector<char> &kept) const;
     /// Give them what they miss where the tolerance allows, whatever tets that makes bad: they are to be mended.
-    void force();
+    void force(const std::vector<char> &kept) { keep_measures(kept, true); }
 
   private:
     static constexpr double kMuch = 1e-3; // of an area: for more than that the mesh beside makes room
@@ -45,8 +45,10 @@ class SurfaceBalance {
     void even_out();
     /// To this share of each.
     void keep_areas(double share);
-    /// Per planar patch what it misses of its area.
+    /// Per patch what it misses of its area.
     std::vector<double> missing_areas() const;
+    /// Per region what it misses of its volume.
+    std::vector<double> missing_volumes() const;
     /// Per planar patch the vertices of its curved creases.
     std::vector<std::vector<int>> curved_rims() const;
     void keep_volumes();
@@ -56,8 +58,7 @@ class SurfaceBalance {
     void add_gradients(const std::vector<char> &kept, std::vector<Measure> &all) const;
     static std::map<int, Vec3> steps_for(const std::vector<Measure> &measures);
     /// All of them at once; `forced`: whatever tets that makes bad.
-    void keep_measures(bool forced);
-    bool has_curved_inside() const;
+    void keep_measures(const std::vector<char> &kept, bool forced);
     /// Mean signed distance of the facets from each curved patch, in front of its triangles positive.
     std::vector<double> offsets();
     /// Move v to x, if nothing speaks against it.

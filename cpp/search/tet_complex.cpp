@@ -43,6 +43,11 @@ int TetComplex::patch_of(int a, int b, int c) const {
     return found ? found->patch : -1;
 }
 
+bool TetComplex::has_both_sides(const Facet &key) const {
+    const auto &[a, b, c] = key;
+    return std::ranges::count_if(stars_[a], [&](int t) { return has(t, b) && has(t, c); }) > 1;
+}
+
 bool TetComplex::ruled_out(int t) const {
     if (!any_ruled_out_)
         return false;

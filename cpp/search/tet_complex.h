@@ -94,6 +94,8 @@ class TetComplex {
     /// Patch of a surface facet, -1 for an interior one.
     int patch_of(int a, int b, int c) const;
     bool is_surface(int a, int b, int c) const { return surface_facet(a, b, c) != nullptr; }
+    /// Whether there are tets on both sides of a facet, as at interfaces and sheets.
+    bool has_both_sides(const Facet &key) const;
     /// Surface facets at v, each once.
     struct SurfaceAt {
         Facet key;

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.boxes import box, cube_surface
+from support.segments import farthest
 
 from wct_plugin.core import _core
 from wct_plugin.core.domain import RegionMesh
@@ -82,14 +83,6 @@ def with_loop(corners):
         segments=np.vstack([surface.segments, ring]),
         curve=np.concatenate([surface.curve, np.full(corners, 12)]),
     ), loop
-
-
-def farthest(places, starts, ends):
-    """How far the places (n, 3) are from segments at most."""
-    ways = ends - starts
-    along = np.einsum("nmi,mi->nm", places[:, None] - starts, ways) / np.einsum("mi,mi->m", ways, ways)
-    feet = starts + np.clip(along, 0.0, 1.0)[..., None] * ways
-    return np.linalg.norm(places[:, None] - feet, axis=2).min(axis=1).max()
 
 
 @pytest.mark.parametrize("seed", range(4))

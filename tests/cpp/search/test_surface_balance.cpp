@@ -71,7 +71,7 @@ TEST_CASE("SurfaceBalance: by force a volume is met, whatever tets that makes ba
     const std::vector<char> patches = balance.kept_patches();
     CHECK(std::count(patches.begin(), patches.end(), 1) == 0); // no plane with a curved rim, no patch inside
     CHECK(balance.missed(patches) == doctest::Approx(1.0 - 1.0 / more - borne));
-    balance.force();
+    balance.force(patches);
     CHECK(balance.missed(patches) == 0.0);
     CHECK(std::abs(volumes(bench.complex)[0] - asked[0]) <= borne * asked[0]);
     CHECK(bench.complex.over_count() <= over);
