@@ -116,15 +116,15 @@ class SquareRows {
         begin(chain.back().point, steps.back().from, steps.back(), sides.back());
     }
 
-    /// Whether an interface has the crease, or one end of it.
+    /// Whether an interface has the crease, or one end of it. Creases that were given up have no vertices.
     bool meets_interface(int curve) const {
         const auto any_inner = [&](const std::vector<int> &patches) {
             return std::any_of(patches.begin(), patches.end(), [&](int patch) { return reference_.inner(patch); });
         };
         const auto &vertices = reference_.curves()[curve].vertices;
-        return any_inner(reference_.patches_at_curve(curve)) ||
-               any_inner(reference_.patches_at_vertex(vertices.front())) ||
-               any_inner(reference_.patches_at_vertex(vertices.back()));
+        return !vertices.empty() && (any_inner(reference_.patches_at_curve(curve)) ||
+                                     any_inner(reference_.patches_at_vertex(vertices.front())) ||
+                                     any_inner(reference_.patches_at_vertex(vertices.back())));
     }
 
     /// Whether the crease ends at a layer, whose corners have points of their own.

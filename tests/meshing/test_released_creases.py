@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from support.builders import kuhn_cube
+from support.builders import kuhn_cube, two_region_cube
+from support.core_meshes import start
 
 from wct_plugin import apply_filter
 from wct_plugin.measure.released_creases import describe
@@ -62,3 +63,17 @@ def test_corners_without_creases_are_none_but_for_those_that_are_kept():
     assert np.array_equal(smooth.corners, own.corners[:2])
     assert np.unique(smooth.strata.patch).tolist() == [own.strata.patch.min()]
     assert without(own, own.strata.curve[:0], own.corners[:0]) is own
+
+
+def test_bodies_with_interfaces_are_sampled_without_creases():
+    mesh = two_region_cube(4)
+    own = own_boundary(mesh, 40.0)
+    strata = own.strata
+    curves = np.unique(strata.curve)
+    inside = np.unique(strata.triangles[(own.sides[strata.patch] >= 0).all(axis=1)])
+    rims = np.unique(strata.curve[np.isin(strata.segments, inside).all(axis=1)])
+    outer = np.setdiff1d(curves, rims)
+    assert len(rims) >= 4 <= len(outer)
+    for gone in outer[:2]:
+        found = start(mesh, without(own, outer[outer == gone], np.empty(0, dtype=np.int64)))
+        assert set(found.mesh.crease_curve.tolist()) == set(curves.tolist()) - {gone}
