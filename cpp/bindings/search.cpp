@@ -40,6 +40,7 @@ nb::object to_python(const search::TetComplex &complex, const search::SearchOutc
     out["mesh"] = object_of(search::mesh_of(complex));
     out["bad"] = outcome.bad;
     out["stuck"] = array_of<std::int64_t>(search::rows_of(complex, outcome.stuck));
+    out["beyond"] = complex.farthest_over();
     out["passes"] = outcome.passes;
     out["kicks"] = outcome.kicks;
     out["accepted"] = outcome.accepted;

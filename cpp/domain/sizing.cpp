@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -23,6 +24,13 @@ constexpr double kCoarse = 1.2; // least size wanted, in thicknesses, for that: 
 /// point near there would divide.
 constexpr double kAcross = 1.2; // greatest length of such a crease, in thicknesses
 constexpr double kHalf = 0.6;   // size per length of it
+/// Edges beside a crease that passes, in distances: in the body-centred lattice opposite edges are as far apart as half
+/// the longer of its edges is long.
+constexpr double kPassing = 1.5;
+
+bool contains(const auto &among, int one) {
+    return std::find(among.begin(), among.end(), one) != among.end();
+}
 
 } // namespace
 
@@ -48,6 +56,7 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     limit_by_curvature();
     limit_by_bends();
     limit_by_creases();
+    limit_by_passing_creases();
     if (form.sharp)
         limit_by_sharp_edges();
     grade();
@@ -214,6 +223,58 @@ void Sizing::limit_by_creases() {
             const bool across = !curve.closed && length < kAcross * layer_[v];
             const double most = across ? kHalf * length : length / curve.least_edges();
             surface[v] = std::min(surface[v], std::max(most, form_.narrowest * form_.tolerance_at(v)));
+        }
+    }
+}
+
+template <class Far> void Sizing::limit_beside(int v, const geometry::Box &box, const Far &far) {
+    const Vec3 &p = reference_.data().points[v];
+    double &size = surface[v];
+    // Layers have sizes of their own.
+    if (layer_[v] == 0.0 && kPassing * std::sqrt(box.square(p)) < size)
+        size = std::min(size, std::max(kPassing * far(p), form_.narrowest * form_.tolerance_at(v)));
+}
+
+void Sizing::limit_by_passing_creases() {
+    const auto &data = reference_.data();
+    const auto &curves = reference_.curves();
+    std::vector<geometry::Box> of_curve(curves.size()), of_patch(data.sides.size());
+    for (std::size_t c = 0; c < curves.size(); ++c)
+        for (const int v : curves[c].vertices)
+            of_curve[c].add(data.points[v]);
+    for (std::size_t t = 0; t < data.triangles.size(); ++t)
+        for (const int v : data.triangles[t])
+            of_patch[data.patch[t]].add(data.points[v]);
+    for (int own = 0; own < static_cast<int>(curves.size()); ++own) {
+        const Curve &curve = curves[own];
+        if (curve.vertices.empty()) // given up
+            continue;
+        const Edge ends{curve.vertices.front(), curve.vertices.back()};
+        const auto meets = [&](const Curve &other) {
+            return contains(ends, other.vertices.front()) || contains(ends, other.vertices.back());
+        };
+        std::vector<char> passes(of_patch.size(), 1);
+        for (const int v : curve.vertices)
+            for (const int patch : reference_.patches_at_vertex(v))
+                passes[patch] = 0;
+        std::vector<int> others;
+        for (int c = 0; c < static_cast<int>(curves.size()); ++c) {
+            const std::vector<int> &around = reference_.patches_at_curve(c);
+            const bool beside = std::any_of(around.begin(), around.end(), [&](int patch) {
+                return contains(reference_.patches_at_curve(own), patch);
+            });
+            for (const int patch : around)
+                passes[patch] = passes[patch] && !beside;
+            if (!beside && !curves[c].vertices.empty() && !meets(curves[c]))
+                others.push_back(c);
+        }
+        for (const int v : curve.vertices) {
+            for (const int c : others)
+                limit_beside(v, of_curve[c], [&](const Vec3 &p) { return reference_.nearest_on_curve(p, c).distance; });
+            for (int patch = 0; patch < static_cast<int>(of_patch.size()); ++patch)
+                if (passes[patch])
+                    limit_beside(v, of_patch[patch],
+                                 [&](const Vec3 &p) { return reference_.nearest(p, patch).distance; });
         }
     }
 }

@@ -120,6 +120,13 @@ void TetComplex::set_over(const Facet &key, double over) {
     facet.over = over;
 }
 
+double TetComplex::farthest_over() const {
+    double most = 0.0;
+    for (const auto &[key, facet] : surface_)
+        most = std::max(most, facet.over);
+    return most;
+}
+
 void TetComplex::count_over(const Facet &key, int change) {
     over_count_ += change;
     for (int v : key)

@@ -109,6 +109,8 @@ class TetComplex {
     void set_over(const Facet &key, double over);
     /// How many facets are beyond the tolerance.
     int over_count() const { return over_count_; }
+    /// How far the farthest of them is beyond it, in tolerances; 0 where none is.
+    double farthest_over() const;
     /// The same of those at v.
     int over_at(int v) const { return over_at_[v]; }
     void set_hint(int v, std::int32_t hint) { vertices_[v].hint = hint; }

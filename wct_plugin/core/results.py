@@ -31,6 +31,7 @@ class SearchResult:
     mesh: StratifiedMesh
     bad: int  #: tets that miss the goal, or are at a facet beyond the tolerance
     stuck: Ints  #: (s,) which tets those are, but for those on a facet that is ruled out
+    beyond: float  #: how far the farthest facet is beyond the tolerance, in tolerances
     passes: int
     kicks: int
     accepted: int  #: kicks that made it better

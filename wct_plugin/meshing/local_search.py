@@ -55,6 +55,11 @@ _IN_VAIN = 0.005
 _SPOILT = 10
 #: Where more than this share of such a mesh is stuck, there are too few points: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
+#: Where more than this share of such a mesh's first start is stuck, as where parts are few edges wide, one that is finer
+#: there is tried at once: it comes right, or all work goes into the better of the two.
+_ANOTHER = 0.018
+#: A surface that is a tolerance beyond the tolerance is as bad as so many bad tets.
+_MOVED = 10.0
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
 #: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
@@ -278,7 +283,7 @@ class LocalSearch:
         stuck, tets = len(fewest.stuck), len(fewest.mesh.tets)
         spoilt = len(tried[-1].stuck) > _SPOILT * stuck
         if self._several(on, fewest) and (spoilt or _IN_VAIN * tets < stuck <= _MANY_STUCK * tets):
-            return 0
+            return 1 if self._tries_another(on, tried) else 0
         return _FINER_HELD if self.held is not None else _FINER
 
     def _finer(self, on: Reference, tried: list[SearchResult], finer: ShorterEdges) -> ShorterEdges:
@@ -297,9 +302,15 @@ class LocalSearch:
         stuck = len(last.stuck) / len(last.mesh.tets)
         if not self._several(on, last):
             return patient if len(tried) == 1 and stuck > _FEW_STUCK else None
-        if stuck > _MANY_STUCK or last is not best(tried):
+        if stuck > _MANY_STUCK or last is not best(tried) or self._tries_another(on, tried):
             return None
         return (np.inf, 1.0) if stuck > _FEW_STUCK else patient
+
+    def _tries_another(self, on: Reference, tried: list[SearchResult]) -> bool:
+        """Whether a finer start is made before the search from the first goes on."""
+        first = tried[0]
+        enough = len(first.stuck) > _ANOTHER * len(first.mesh.tets)
+        return len(tried) == 1 and self._several(on, first) and enough
 
     @staticmethod
     def _several(on: Reference, found: SearchResult) -> bool:
@@ -316,7 +327,7 @@ class LocalSearch:
     ) -> StratifiedMesh | None:
         """A partial restart: the best that was found, made anew round its stuck tets."""
         fewest = best(tried)
-        vain = len(tried) - 1 - [one.bad for one in tried].index(fewest.bad)
+        vain = len(tried) - 1 - [_shortfall(one) for one in tried].index(_shortfall(fewest))
         for wider in range(_PARTIAL_RESTARTS):
             restart = PartialRestart.of(fewest, vain + wider, held=self.held is not None)
             start = restart and self.resampled(on, tolerance, lengths, finer, restart, len(tried))
@@ -349,8 +360,13 @@ def _volumes(on: Reference) -> Floats | None:
 
 
 def ranked(tried: list[SearchResult]) -> list[SearchResult]:
-    """Those with the fewest bad tets first; of equals the last, from which others were tried."""
-    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (tried[k].bad, -k))]
+    """Those with the fewest bad tets first, and no surface far off; of equals the last, from which others were tried."""
+    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (_shortfall(tried[k]), -k))]
+
+
+def _shortfall(found: SearchResult) -> float:
+    """The bad tets, and as many more as a surface that has moved beyond the tolerance is worse than one of them."""
+    return found.bad + _MOVED * found.beyond
 
 
 def best(tried: list[SearchResult]) -> SearchResult:

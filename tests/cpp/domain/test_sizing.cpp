@@ -26,7 +26,50 @@ struct Sized {
     Sized(const Sized &) = delete;
 };
 
+/// Two cubes whose edges pass each other at right angles, so far apart, and no sides face each other: one of the unit
+/// cube's edges along z, half-way up, and one of the other's half-way along.
+Body passing_cubes(double apart) {
+    Body one = cube(4, 0.0, 1);
+    const Body other = cube(4, 0.0, 1);
+    const double h = std::sqrt(0.5);
+    const Vec3 out{h, h, 0.0}, up{0.0, 0.0, 1.0}, along{h, -h, 0.0};
+    const Vec3 v = h * (out - up), w = h * (out + up); // along, v, w: right-handed
+    const Vec3 from = Vec3{1.0, 1.0, 0.5} + apart * out - 0.5 * along;
+    const int count = static_cast<int>(one.points.size());
+    for (const Vec3 &p : other.points)
+        one.points.push_back(from + p.x * along + p.y * v + p.z * w);
+    for (const auto &[a, b, c, d] : other.tets)
+        one.tets.push_back({a + count, b + count, c + count, d + count});
+    one.regions.resize(one.tets.size(), 1);
+    const std::vector<Vec3> axes{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, up, along, v, w};
+    return stratified(one.points, one.tets, one.regions, [axes](const Vec3 &, const Vec3 &normal) {
+        for (int k = 0; k < 12; ++k)
+            if (dot(normal, (k % 2 ? -1.0 : 1.0) * axes[k / 2]) > 0.99)
+                return k;
+        return -1;
+    });
+}
+
 } // namespace
+
+TEST_CASE("Sizing: edges are short where creases pass each other, and there alone") {
+    domain::SizingForm form;
+    form.tolerance = 1e-3;
+    const Vec3 place{1.0, 1.0, 0.5}, far{0.0, 0.0, 0.5};
+    const Sized alone(cube(4, 0.0, 1), form);
+    const double usual = alone.sizing.at(place);
+    CHECK(usual > 0.2);
+    for (const double apart : {0.02, 0.05, 0.1}) {
+        const Sized both(passing_cubes(apart), form);
+        CHECK(both.sizing.at(place) == doctest::Approx(1.5 * apart).epsilon(1e-6));
+        CHECK(both.sizing.at(place + apart * Vec3{std::sqrt(0.5), std::sqrt(0.5), 0.0}) ==
+              doctest::Approx(1.5 * apart).epsilon(1e-6));
+        CHECK(both.sizing.at(far) > 0.9 * usual);
+    }
+    CHECK(Sized(passing_cubes(1.0), form).sizing.at(place) == doctest::Approx(usual).epsilon(0.05));
+    form.tolerance = 0.02; // what is less than some tolerances apart is not told apart
+    CHECK(Sized(passing_cubes(0.02), form).sizing.at(place) == doctest::Approx(8.0 * 0.02).epsilon(1e-6));
+}
 
 TEST_CASE("Sizing: grows no faster than its grades, and stays between its least and its largest") {
     domain::SizingForm form;
