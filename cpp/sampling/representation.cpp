@@ -1,8 +1,8 @@
 #include "sampling/representation.h"
 
 #include "sampling/crease_recovery.h"
+#include "sampling/patch_recovery.h"
 #include "sampling/pinch_mending.h"
-#include "sampling/plane_recovery.h"
 #include "sampling/sheets.h"
 
 #include <algorithm>
@@ -118,8 +118,8 @@ Flaws represent(Cloud &cloud, const domain::Reference &reference, const domain::
             complex = restricted_delaunay(cloud, reference, map, workers, held, moving);
         }
         const int on_creases = recover_creases(cloud, reference, complex, held, workers);
-        const int on_planes = recover_planes(cloud, reference, complex, workers); // may take points away: comes last
-        if (on_creases + on_planes == 0 && !promoted)
+        const int on_patches = recover_patches(cloud, reference, complex, workers); // may take points away: comes last
+        if (on_creases + on_patches == 0 && !promoted)
             break;
         flaws = look();
     }

@@ -9,14 +9,16 @@ from scipy.spatial import cKDTree
 from support.boxes import CUBE, box, cube_surface
 from support.builders import ball, fin, kuhn_cube, l_shape
 from support.core_meshes import FACETS, NO_LABELS, NO_SEGMENTS, completely_well_centered, sampled, start
-from support.gmsh_bodies import ball_in_box, via
+from support.gmsh_bodies import ball_in_box, random_body, via
 
 from wct_plugin.core import _core
 from wct_plugin.core.domain import RegionMesh, StratifiedMesh, StratifiedSurface
 from wct_plugin.core.requests import ResampleOptions
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
+from wct_plugin.meshing.local_tolerance import find_tolerance
 from wct_plugin.meshing.reference import own_boundary
+from wct_plugin.meshing.surface_edges import longest_edges
 
 
 def grid(u, v, close_u, close_v):
@@ -433,3 +435,36 @@ def _layers(mesh):
     """The regions that reach a corner of the plate: the two layers."""
     corner = np.abs(mesh.points[:, :2]).max(axis=1) < 1e-9
     return np.unique(mesh.regions[corner[mesh.tets].any(axis=1)])
+
+
+def patches_around(own):
+    """Which patches have each curve, and each vertex."""
+    strata = own.strata
+    at, beside = {}, {}
+    for corners, patch in zip(strata.triangles.tolist(), strata.patch.tolist(), strict=True):
+        for v in corners:
+            at.setdefault(v, set()).add(patch)
+        for edge in combinations(sorted(corners), 2):
+            beside.setdefault(edge, set()).add(patch)
+    of_curve = {}
+    for ends, curve in zip(np.sort(strata.segments, axis=1).tolist(), strata.curve.tolist(), strict=True):
+        of_curve.setdefault(curve, set()).update(beside[tuple(ends)])
+    return of_curve, at
+
+
+@pytest.mark.parametrize("seed", [7, 16])
+def test_parts_that_pass_each_other_closely_share_no_facets(tmp_path, seed):
+    mesh = random_body(tmp_path, seed)
+    own = own_boundary(mesh, 40.0)
+    of_curve, at_vertex = patches_around(own)
+    tolerance = find_tolerance(own, own.auto_tolerance() * own.diagonal)
+    sizes = {"local_tolerance": tolerance.local, "surface_size": longest_edges(mesh, own, own, 1.25)}
+    found = start(mesh, own, tolerance.most / own.diagonal, **sizes).mesh
+    stray = 0
+    for corners, patch in zip(found.facets.tolist(), found.facet_patch.tolist(), strict=True):
+        for v in corners:
+            label = int(found.label[v])
+            has = {1: {label}, 2: of_curve.get(label), 3: at_vertex.get(label)}[int(found.stratum[v])]
+            stray += patch not in has
+    assert len(found.facets) > 1000
+    assert stray <= 2  # 6 and 7 before passing edges gave patches a point

@@ -55,8 +55,8 @@ _IN_VAIN = 0.005
 _SPOILT = 10
 #: Where more than this share of such a mesh is stuck, there are too few points: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
-#: Where more than this share of such a mesh's first start is stuck, as where parts are few edges wide, one that is finer
-#: there is tried at once: it comes right, or all work goes into the better of the two.
+#: Where more than this share of such a mesh's first start is stuck, as where parts are few edges wide, one that is
+#: finer there is tried at once: it comes right, or all work goes into the better of the two.
 _ANOTHER = 0.018
 #: A surface that is a tolerance beyond the tolerance is as bad as so many bad tets.
 _MOVED = 10.0
@@ -360,7 +360,7 @@ def _volumes(on: Reference) -> Floats | None:
 
 
 def ranked(tried: list[SearchResult]) -> list[SearchResult]:
-    """Those with the fewest bad tets first, and no surface far off; of equals the last, from which others were tried."""
+    """Those with the fewest bad tets first, no surface far off; of equals the last, from which others were tried."""
     return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (_shortfall(tried[k]), -k))]
 
 

@@ -1,4 +1,4 @@
-#include "sampling/plane_recovery.h"
+#include "sampling/patch_recovery.h"
 
 #include "base/sort_unique.h"
 
@@ -11,21 +11,22 @@ namespace wct::sampling {
 
 namespace {
 
-/// An interior point nearer to the plane than this, in sizes, goes.
+/// An interior point nearer to the patch than this, in sizes, goes.
 constexpr double kClose = 0.7;
 /// A point of another patch nearer than this goes, and points of the surface are not put closer to each other.
 constexpr double kCrowded = 0.35;
 /// Where the edge passes this near a crease, in sizes, the crease gets the point.
 constexpr double kAtCrease = 0.3;
 
-/// Where an edge passes through a plane.
+/// Where an edge passes through a patch.
 struct Crossing {
     Vec3 at;
-    std::array<double, 2> heights; // of the edge's ends over the plane
+    std::array<double, 2> heights; // of the edge's ends over the plane of the triangle there
 };
 
 std::optional<Crossing> crossing(const Cloud &cloud, const domain::Reference &reference, int v, int w, int patch) {
     constexpr double flat = 1e-6; // edges: an end so near the plane is in it
+    constexpr double bent = 0.15; // edges: so far a curved patch may be off the plane of one of its triangles
     const Vec3 &p = cloud.points[v], &q = cloud.points[w];
     const domain::Foot foot = reference.nearest(0.5 * (p + q), patch);
     const Vec3 &n = reference.normal(foot.triangle);
@@ -34,17 +35,17 @@ std::optional<Crossing> crossing(const Cloud &cloud, const domain::Reference &re
         return std::nullopt;
     const double share = above / (above - below);
     const Vec3 at = (1.0 - share) * p + share * q;
-    if (reference.nearest(at, patch, foot.triangle).distance > flat * edge)
+    if (reference.nearest(at, patch, foot.triangle).distance > (reference.planar(patch) ? flat : bent) * edge)
         return std::nullopt; // past its rim
     return Crossing{at, {std::fabs(above), std::fabs(below)}};
 }
 
-class PlaneRecovery {
+class PatchRecovery {
   public:
-    PlaneRecovery(Cloud &cloud, const domain::Reference &reference)
+    PatchRecovery(Cloud &cloud, const domain::Reference &reference)
         : cloud_(cloud), reference_(reference), grid_(surface_grid(cloud, kCrowded)), keep_(cloud.count(), 1) {}
 
-    /// The edge of the tet that passes through a plane of its other corners, if one does.
+    /// The edge of the tet that passes through a patch of its other corners, if one does.
     void look_at(const Tet &tet) {
         std::array<std::vector<int>, 4> own;
         for (int i = 0; i < 4; ++i)
@@ -52,8 +53,7 @@ class PlaneRecovery {
         for (const auto &[i, j] : kEdges)
             for (int k = 0; k < 4; ++k)
                 for (const int patch : own[k]) // of an end there is none that the ends do not have
-                    if (reference_.planar(patch) && !has(own[i], patch) && !has(own[j], patch) &&
-                        mend(tet[i], tet[j], patch))
+                    if (!has(own[i], patch) && !has(own[j], patch) && mend(tet[i], tet[j], patch))
                         return;
     }
 
@@ -90,7 +90,7 @@ class PlaneRecovery {
         return true;
     }
 
-    /// As near to the plane the point may be, for which there is no room beside those that the plane needs.
+    /// As near to the patch the point may be, for which there is no room beside those that the patch needs.
     double least_height(int v) const {
         const Stratum role = cloud_.role[v];
         const double share = role == Stratum::interior ? kClose : role == Stratum::patch ? kCrowded : 0.0;
@@ -127,7 +127,7 @@ class PlaneRecovery {
     int changes_ = 0;
 };
 
-/// Tets beside facets that cut across from one planar patch to another, and those that are astray: a plane that ends on
+/// Tets beside facets that cut across from one patch to another, and those that are astray: a plane that ends on
 /// curved sides has an edge of theirs pass through it.
 std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &reference,
                               const RestrictedDelaunay &complex) {
@@ -142,7 +142,7 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
                 continue;
             const Facet facet = complex.facet(t, i);
             if (std::any_of(facet.begin(), facet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; }) ||
-                !cuts_across(cloud, reference, facet))
+                !shared_patches(cloud, reference, facet).empty())
                 continue;
             tets.push_back(t);
             if (complex.all.neighbours[t][i] >= 0)
@@ -155,16 +155,16 @@ std::vector<int> tets_at_cuts(const Cloud &cloud, const domain::Reference &refer
 
 } // namespace
 
-int recover_planes(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
-                   const Workers &workers) {
-    // Where parts meet in a notch shorter edges do not help, and outer planes get points too; in a body of one region
+int recover_patches(Cloud &cloud, const domain::Reference &reference, const RestrictedDelaunay &complex,
+                    const Workers &workers) {
+    // Where parts meet in a notch shorter edges do not help, and outer patches get points too; in a body of one region
     // they do.
     if (!reference.has_inner())
         return 0;
     const std::vector<int> tets = tets_at_cuts(cloud, reference, complex);
     if (tets.empty())
         return 0;
-    PlaneRecovery recovery(cloud, reference);
+    PatchRecovery recovery(cloud, reference);
     for (const int t : tets)
         recovery.look_at(complex.all.tets[t]);
     return recovery.finish(workers);
