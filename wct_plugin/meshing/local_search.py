@@ -1,5 +1,6 @@
 """The local search, from a start that is given or resampled, and from others where it is stuck."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -359,9 +360,12 @@ def _volumes(on: Reference) -> Floats | None:
     return enclosed if (enclosed > 0.0).all() else None
 
 
-def ranked(tried: list[SearchResult]) -> list[SearchResult]:
-    """Those with the fewest bad tets first, no surface far off; of equals the last, from which others were tried."""
-    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (_shortfall(tried[k]), -k))]
+def ranked(tried: list[SearchResult], missed: Callable[[SearchResult], float] = lambda _: 0.0) -> list[SearchResult]:
+    """Those with the fewest bad tets first, no surface far off; of equals the last, from which others were tried.
+
+    ``missed``: of what else equals are told apart by, the less the better.
+    """
+    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (_shortfall(tried[k]), missed(tried[k]), -k))]
 
 
 def _shortfall(found: SearchResult) -> float:

@@ -17,6 +17,7 @@ from wct_plugin.meshing.followed_surface import outer
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.judgement import Found
 from wct_plugin.meshing.kept_areas import KeptAreas
+from wct_plugin.meshing.kept_volumes import volume_missed
 from wct_plugin.meshing.local_search import LocalSearch, best, ranked
 from wct_plugin.meshing.local_tolerance import LeastTolerance, Tolerance, find_tolerance
 from wct_plugin.meshing.new_mesh_faults import find_fault, warn_of_fault, warn_that_nothing_was_found
@@ -218,7 +219,7 @@ def _with_pairs(follow: Followed, search: LocalSearch, tried: list[SearchResult]
 def _choose(follow: Followed, tried: list[SearchResult], *, stopped: bool) -> tuple[SearchResult | None, TetMesh]:
     """The best result that has no fault, and the mesh it is; none, and the mesh that came, where all have one."""
     mesh, faults = follow.given.mesh, []
-    for one in ranked(tried):
+    for one in ranked(tried, lambda found: volume_missed(found, follow.surface)):
         made = carry(mesh, follow.own.strata, in_strata_of_mesh(one.mesh, follow.surface))
         fault = find_fault(follow.given, made, follow.surface, follow.tolerance, stopped=stopped)
         if not fault:
