@@ -365,7 +365,10 @@ def ranked(tried: list[SearchResult], missed: Callable[[SearchResult], float] = 
 
     ``missed``: of what else equals are told apart by, the less the better.
     """
-    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (_shortfall(tried[k]), missed(tried[k]), -k))]
+    shortfall = [_shortfall(one) for one in tried]
+    equals = [shortfall.count(one) > 1 for one in shortfall]
+    rest = [missed(one) if asked else 0.0 for one, asked in zip(tried, equals, strict=True)]
+    return [tried[k] for k in sorted(range(len(tried)), key=lambda k: (shortfall[k], rest[k], -k))]
 
 
 def _shortfall(found: SearchResult) -> float:
