@@ -104,6 +104,12 @@ class Reference {
     /// The patches that meet at a curve or a vertex, ascending.
     const std::vector<int> &patches_at_curve(int curve) const { return curve_patches_[curve]; }
     const std::vector<int> &patches_at_vertex(int vertex) const { return vertex_patches_[vertex]; }
+    /// Whether a patch has both curves.
+    bool share_patch(int curve, int other) const {
+        const auto &around = curve_patches_[other];
+        return std::any_of(curve_patches_[curve].begin(), curve_patches_[curve].end(),
+                           [&](int patch) { return std::binary_search(around.begin(), around.end(), patch); });
+    }
     /// Which side of the surface is p on, given its foot: the region there.
     int region_beside(const Vec3 &p, const Foot &foot) const;
     /// Signed distance, positive before the triangles; only meaningful near the foot.

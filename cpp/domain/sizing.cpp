@@ -1,6 +1,7 @@
 #include "domain/sizing.h"
 
 #include "domain/limit_gradient.h"
+#include "domain/passing_creases.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,10 +28,6 @@ constexpr double kHalf = 0.6;   // size per length of it
 /// Edges beside a crease that passes, in distances: in the body-centred lattice opposite edges are as far apart as half
 /// the longer of its edges is long.
 constexpr double kPassing = 1.5;
-
-bool contains(const auto &among, int one) {
-    return std::find(among.begin(), among.end(), one) != among.end();
-}
 
 } // namespace
 
@@ -227,56 +224,16 @@ void Sizing::limit_by_creases() {
     }
 }
 
-template <class Far> void Sizing::limit_beside(int v, const geometry::Box &box, const Far &far) {
-    const Vec3 &p = reference_.data().points[v];
-    double &size = surface[v];
-    // Layers have sizes of their own.
-    if (layer_[v] == 0.0 && kPassing * std::sqrt(box.square(p)) < size)
-        size = std::min(size, std::max(kPassing * far(p), form_.narrowest * form_.tolerance_at(v)));
-}
-
 void Sizing::limit_by_passing_creases() {
-    const auto &data = reference_.data();
-    const auto &curves = reference_.curves();
-    std::vector<geometry::Box> of_curve(curves.size()), of_patch(data.sides.size());
-    for (std::size_t c = 0; c < curves.size(); ++c)
-        for (const int v : curves[c].vertices)
-            of_curve[c].add(data.points[v]);
-    for (std::size_t t = 0; t < data.triangles.size(); ++t)
-        for (const int v : data.triangles[t])
-            of_patch[data.patch[t]].add(data.points[v]);
-    for (int own = 0; own < static_cast<int>(curves.size()); ++own) {
-        const Curve &curve = curves[own];
-        if (curve.vertices.empty()) // given up
-            continue;
-        const Edge ends{curve.vertices.front(), curve.vertices.back()};
-        const auto meets = [&](const Curve &other) {
-            return contains(ends, other.vertices.front()) || contains(ends, other.vertices.back());
-        };
-        std::vector<char> passes(of_patch.size(), 1);
-        for (const int v : curve.vertices)
-            for (const int patch : reference_.patches_at_vertex(v))
-                passes[patch] = 0;
-        std::vector<int> others;
-        for (int c = 0; c < static_cast<int>(curves.size()); ++c) {
-            const std::vector<int> &around = reference_.patches_at_curve(c);
-            const bool beside = std::any_of(around.begin(), around.end(), [&](int patch) {
-                return contains(reference_.patches_at_curve(own), patch);
-            });
-            for (const int patch : around)
-                passes[patch] = passes[patch] && !beside;
-            if (!beside && !curves[c].vertices.empty() && !meets(curves[c]))
-                others.push_back(c);
-        }
-        for (const int v : curve.vertices) {
-            for (const int c : others)
-                limit_beside(v, of_curve[c], [&](const Vec3 &p) { return reference_.nearest_on_curve(p, c).distance; });
-            for (int patch = 0; patch < static_cast<int>(of_patch.size()); ++patch)
-                if (passes[patch])
-                    limit_beside(v, of_patch[patch],
-                                 [&](const Vec3 &p) { return reference_.nearest(p, patch).distance; });
-        }
-    }
+    std::vector<double> reach(surface.size(), 0.0);
+    for (std::size_t v = 0; v < reach.size(); ++v)
+        if (layer_[v] == 0.0) // layers have sizes of their own
+            reach[v] = surface[v] / kPassing;
+    const std::vector<double> apart = passing_distances(reference_, reach);
+    for (std::size_t v = 0; v < reach.size(); ++v)
+        if (apart[v] < kInfinity)
+            surface[v] = std::min(
+                surface[v], std::max(kPassing * apart[v], form_.narrowest * form_.tolerance_at(static_cast<int>(v))));
 }
 
 SharpFoot Sizing::closing(const SharpEdges &edges, const Vec3 &p, double width, double least) {

@@ -102,9 +102,6 @@ class Sizing {
     /// only where they are not much longer than the two are apart. Thickness does not tell of it where no sides face
     /// each other; it does of creases of one patch, and of its neighbours.
     void limit_by_passing_creases();
-    /// What lies so near to v lets edges there be no longer. `far`: asked for only where `box`, which holds it, is
-    /// near.
-    template <class Far> void limit_beside(int v, const geometry::Box &box, const Far &far);
     /// Not near sharp edges, where thickness goes to nothing.
     void limit_by_thickness(const Workers &workers);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.

@@ -67,14 +67,9 @@ struct Octant {
 std::vector<Octant> octants_at(const Cloud &cloud, const domain::Reference &reference, const domain::RegionMap &map,
                                int corner, const std::vector<Spoke> &around) {
     const Vec3 at = cloud.points[corner];
-    const auto share = [&](const Spoke &a, const Spoke &b) {
-        const auto &one = reference.patches_at_curve(a.curve), &other = reference.patches_at_curve(b.curve);
-        return std::any_of(one.begin(), one.end(),
-                           [&](int p) { return std::binary_search(other.begin(), other.end(), p); });
-    };
     const auto way = [&](const Spoke &a) { return unit(cloud.points[a.point] - at); };
     const auto square = [&](const Spoke &a, const Spoke &b) {
-        return std::fabs(dot(way(a), way(b))) < kSquare && share(a, b);
+        return std::fabs(dot(way(a), way(b))) < kSquare && reference.share_patch(a.curve, b.curve);
     };
     std::vector<Octant> out;
     for (std::size_t i = 0; i < around.size(); ++i)

@@ -30,6 +30,12 @@ def enclosed_volumes(on: Reference) -> dict[str, float]:
     return {str(tag): float(one) for tag, one in zip(on.regions, volume, strict=True)}
 
 
+def region_volumes(on: Reference) -> Floats | None:
+    """(regions,) of :func:`enclosed_volumes`; None where the surface encloses none, as one with holes may."""
+    enclosed = np.array(list(enclosed_volumes(on).values()))
+    return enclosed if (enclosed > 0.0).all() else None
+
+
 def stretch(mesh: TetMesh, own: Reference, on: Reference) -> dict[str, float]:
     """By group of tagged facets, its area on the surface that is followed over that on the mesh's own facets."""
     on_area, own_area = patch_areas(on), patch_areas(own)

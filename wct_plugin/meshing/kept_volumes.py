@@ -3,8 +3,9 @@
 import numpy as np
 
 from wct_plugin.core.results import SearchResult
+from wct_plugin.measure import compiled_quality
 from wct_plugin.measure.conserved import CHANGE
-from wct_plugin.meshing.followed_surface import enclosed_volumes
+from wct_plugin.meshing.followed_surface import region_volumes
 from wct_plugin.meshing.reference import Reference
 
 
@@ -13,11 +14,9 @@ def volume_missed(found: SearchResult, on: Reference) -> float:
 
     0 too where the surface ``on`` encloses none, as one with holes may.
     """
-    wanted = np.array(list(enclosed_volumes(on).values()))
-    if not (wanted > 0.0).all():
+    wanted = region_volumes(on)
+    if wanted is None:
         return 0.0
-    corners = found.mesh.points[found.mesh.tets]
-    a, b, c = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 0)
-    volumes = np.einsum("ij,ij->i", np.cross(a, b), c) / 6.0
+    volumes = compiled_quality.volumes(found.mesh.points, found.mesh.tets)
     has = np.bincount(found.mesh.regions, volumes, minlength=len(wanted))
     return float(np.max(np.abs(has / wanted - 1.0) - CHANGE, initial=0.0))

@@ -11,7 +11,7 @@ from wct_plugin.core.requests import ResampleOptions, SearchOptions
 from wct_plugin.core.results import ResampleResult, SearchResult
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
-from wct_plugin.meshing.followed_surface import enclosed_volumes, planar_share
+from wct_plugin.meshing.followed_surface import planar_share, region_volumes
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.kept_areas import KeptAreas
 from wct_plugin.meshing.local_tolerance import Tolerance
@@ -24,7 +24,7 @@ from wct_plugin.meshing.surface_edges import Lengths
 from wct_plugin.meshing.tet_limit import TetLimit
 from wct_plugin.meshing.work_limit import WorkLimit
 from wct_plugin.obstructions import fixed_facets
-from wct_plugin.types import Floats, Ints
+from wct_plugin.types import Ints
 
 #: Sweeps and tries at effort 1.
 _PASSES = 12
@@ -116,7 +116,7 @@ class LocalSearch:
             fixed=self.fixed,
             fixed_curves=None if self.held is None else self.held.all_curves(on),
             loose=self._loose(on) if moves else None,
-            volumes=_volumes(on) if moves else None,
+            volumes=region_volumes(on) if moves else None,
             worth=worth,
             most_tets=self.limit.most,
             most_evaluations=int(part * self.work.left),
@@ -352,12 +352,6 @@ class LocalSearch:
 
     def _without(self, on: Reference, creases: Ints) -> Reference:
         return without(on, creases, self.mesh.nodes.vertices.ravel())
-
-
-def _volumes(on: Reference) -> Floats | None:
-    """Of the regions in the order of their indices; None where the surface encloses none, as one with holes may."""
-    enclosed = np.array(list(enclosed_volumes(on).values()))
-    return enclosed if (enclosed > 0.0).all() else None
 
 
 def ranked(tried: list[SearchResult], missed: Callable[[SearchResult], float] = lambda _: 0.0) -> list[SearchResult]:
