@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -15,12 +14,6 @@ namespace wct::domain {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFlatLayer = 0.98; // cosine between the planes of a layer: within 11 degrees
-/// Size per thickness of a layer between two planes where longer edges are wanted. One row of tets goes through it, as
-/// in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
-constexpr double kLayer = 1.4;
-constexpr double kBroad = 12.0; // least area of its planes, in squares of the thickness
-constexpr double kCoarse = 1.2; // least size wanted, in thicknesses, for that: of shorter edges two rows are better
 /// A crease across a layer has two edges: with one, the tet at either end is the one with three right angles, which no
 /// point near there would divide.
 constexpr double kAcross = 1.2; // greatest length of such a crease, in thicknesses
@@ -234,133 +227,6 @@ void Sizing::limit_by_passing_creases() {
         if (apart[v] < kInfinity)
             surface[v] = std::min(
                 surface[v], std::max(kPassing * apart[v], form_.narrowest * form_.tolerance_at(static_cast<int>(v))));
-}
-
-SharpFoot Sizing::closing(const SharpEdges &edges, const Vec3 &p, double width, double least) {
-    constexpr double slack = 1.5;
-    const SharpFoot foot = edges.nearest(p, slack * width / least);
-    return foot.edge >= 0 && slack * width > edges.narrow(foot.edge) * foot.distance ? foot : SharpFoot{};
-}
-
-bool Sizing::notched(const Vec3 &p, double gap) const {
-    const SharpFoot foot = closing(notches_, p, gap, kNarrowestNotch);
-    return foot.edge >= 0 && notches_.narrow(foot.edge) > kNarrowestNotch;
-}
-
-bool Sizing::tapered(const Vec3 &p, double thickness) const {
-    return closing(sharp_, p, thickness, 0.25).edge >= 0; // 14 degrees
-}
-
-double Sizing::row_at(int triangle, int side, double wanted) const {
-    const auto &data = reference_.data();
-    const int own = data.patch[triangle], between = data.sides[own][side];
-    if (between < 0 || !reference_.planar(own))
-        return kInfinity;
-    const auto &[a, b, c] = data.triangles[triangle];
-    const Vec3 inward = (side == 0 ? -1.0 : 1.0) * reference_.normal(triangle);
-    int hit = -1;
-    const double far = reference_.ray((1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]), inward,
-                                      reference_.ray_start(), hit);
-    if (hit < 0 || !reference_.planar(data.patch[hit]) || wanted < kCoarse * far ||
-        patch_area_[own] < kBroad * far * far)
-        return kInfinity;
-    // The normals of interfaces and sheets run either way: what counts is which side the layer is on.
-    const auto &[behind, before] = data.sides[data.patch[hit]];
-    const double along = dot(reference_.normal(hit), inward);
-    const double outward = behind == before ? std::fabs(along) : behind == between ? along : -along;
-    return outward > kFlatLayer ? far : kInfinity;
-}
-
-Sizing::Thickness Sizing::thickness_at(int triangle, double wanted) const {
-    // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
-    constexpr int kRays = 9;
-    constexpr int kRank = 3;                     // of the hits by distance, that counts: a few may stray
-    constexpr double kFacing = -0.5;             // cosine between normals of triangles that face each other
-    constexpr double kCone = 0.5235987755982988; // 30 degrees
-    constexpr double kTurned = 0.1;              // of the cone about the normal: rays along edges tell little
-    constexpr double kParallel = -0.8;           // cosine between normals of a wall's sides
-    const auto &data = reference_.data();
-    const Vec3 &n = reference_.normal(triangle);
-    const auto &[a, b, c] = data.triangles[triangle];
-    const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
-    const Vec3 u = across(n);
-    const Vec3 v = cross(n, u);
-    double thin = kInfinity, inside = kInfinity, layer = kInfinity;
-    for (int side = 0; side < 2; ++side) {
-        // Across a gap outside no tets are wanted: facets only must be too small to reach over.
-        const bool outside = data.sides[data.patch[triangle]][side] < 0;
-        std::array<double, kRays> hits, walls;
-        for (int j = 0; j < kRays; ++j) {
-            const double tilt = j == 0 ? 0.0 : kCone;
-            const double turn = 2.0 * std::numbers::pi * j / (kRays - 1) + kTurned;
-            const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
-            const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
-            int hit = -1;
-            const double far = reference_.ray(center, d, reference_.ray_start(), hit);
-            const bool opposite =
-                hit >= 0 && dot(reference_.normal(hit), n) < kFacing && !(outside && notched(center, far));
-            hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
-            walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
-        }
-        std::nth_element(hits.begin(), hits.begin() + kRank, hits.end());
-        std::nth_element(walls.begin(), walls.begin() + kRank, walls.end());
-        const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
-        const double narrow = form_.gap * std::max(hits[kRank], form_.narrowest * tolerance);
-        const double row = row_at(triangle, side, wanted);
-        layer = std::min(layer, row);
-        thin = std::min(thin, outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[kRank]);
-        if (!outside)
-            inside = std::min(inside, walls[kRank]);
-    }
-    return {std::min(thin, reference_.diagonal()), inside, layer};
-}
-
-void Sizing::limit_by_thickness(const Workers &workers) {
-    const auto &data = reference_.data();
-    std::vector<double> thin(data.triangles.size());
-    std::vector<double> layers(data.triangles.size(), kInfinity);
-    std::vector<char> measured(data.triangles.size(), 0);
-    inside_.assign(data.triangles.size(), kInfinity);
-    patch_area_.assign(data.sides.size(), 0.0);
-    for (std::size_t t = 0; t < data.triangles.size(); ++t)
-        patch_area_[data.patch[t]] += reference_.area(static_cast<int>(t));
-    workers.for_each(thin.size(), 64, [&](std::size_t t) {
-        const auto &[a, b, c] = data.triangles[t];
-        const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
-        const double size = std::max({limit_[a], limit_[b], limit_[c]});
-        measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
-        if (measured[t]) {
-            const Thickness here = thickness_at(static_cast<int>(t), size);
-            layers[t] = here.layer;
-            thin[t] = here.limit;
-            if (here.inside < kInfinity && !tapered(center, here.inside))
-                inside_[t] = here.inside;
-        }
-    });
-    layer_.assign(data.points.size(), 0.0);
-    for (std::size_t t = 0; t < layers.size(); ++t)
-        if (layers[t] < kInfinity)
-            for (const int at : data.triangles[t])
-                layer_[at] = std::max(layer_[at], layers[t]);
-    std::vector<double> sum(data.points.size(), 0.0);
-    std::vector<double> weight(data.points.size(), 0.0);
-    for (std::size_t t = 0; t < thin.size(); ++t)
-        if (measured[t])
-            for (const int at : data.triangles[t]) {
-                sum[at] += reference_.area(static_cast<int>(t)) * thin[t];
-                weight[at] += reference_.area(static_cast<int>(t));
-            }
-    for (std::size_t v = 0; v < sum.size(); ++v)
-        if (weight[v] > 0.0)
-            limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
-    // Where a layer's interface ends, the mean is that of the walls beside the layer, which are long.
-    for (std::size_t t = 0; t < data.triangles.size(); ++t) {
-        if (!reference_.inner(data.patch[t]) || reference_.sheet(data.patch[t]))
-            continue;
-        for (const int at : data.triangles[t])
-            if (layer_[at] > 0.0)
-                limit_[at] = std::min(limit_[at], kLayer * layer_[at]);
-    }
 }
 
 void Sizing::limit_by_sharp_edges() {
