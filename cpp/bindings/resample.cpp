@@ -52,6 +52,7 @@ nb::object to_python(const sampling::Resampled &result, const sampling::SurfaceL
     out["pinched"] = numbers(result.flaws.pinched);
     out["lost"] = numbers(result.lost);
     out["intact"] = result.intact;
+    out["work"] = result.work;
     out["stats"] = stats;
     return made("wct_plugin.core.results", "ResampleResult", out);
 }

@@ -45,6 +45,7 @@ nb::object to_python(const search::TetComplex &complex, const search::SearchOutc
     out["kicks"] = outcome.kicks;
     out["accepted"] = outcome.accepted;
     out["evaluations"] = outcome.evaluations;
+    out["work"] = outcome.work;
     out["stopped"] = outcome.stopped;
     out["released"] = array_of<std::int64_t>(released);
     return made("wct_plugin.core.results", "SearchResult", out);
@@ -102,10 +103,10 @@ search::SearchOptions options_of(nb::handle asked, std::size_t patches, std::siz
     options.kicks = number<long>(asked, "kicks", [](long n) { return n >= 0; }, positive);
     options.worth = number<double>(asked, "worth", [](double w) { return w >= 0.0; }, positive);
     options.seed = attribute<std::uint64_t>(asked, "seed");
-    if (const auto most = maybe<long>(asked, "most_evaluations")) {
+    if (const auto most = maybe<long>(asked, "most_work")) {
         if (*most < 0)
-            refuse("most_evaluations is " + std::to_string(*most) + "; it may not be negative");
-        options.evaluations = *most;
+            refuse("most_work is " + std::to_string(*most) + "; it may not be negative");
+        options.work = *most;
     }
     options.most = maybe<std::size_t>(asked, "most_tets").value_or(options.most);
     return options;

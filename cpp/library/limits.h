@@ -11,30 +11,24 @@ namespace wct::library {
 class WorkLimit {
   public:
     /// `tets` of the mesh that came in.
-    WorkLimit(std::size_t tets, int effort) : tets_(tets), effort_(effort) {}
+    WorkLimit(std::size_t tets, int effort) : input_(tets), tets_(tets), effort_(effort) {}
 
-    /// Evaluations that are left.
+    /// Work that is left, as of WorkUnits.
     long left() const {
         const double allowed = effort_ * (kBase + kPerTet * static_cast<double>(tets_));
         return std::max(0L, static_cast<long>(allowed) - spent_);
     }
-    /// Count a start of so many tets.
-    void add_start(std::size_t tets) {
-        tets_ = std::max(tets_, tets);
-        spent_ += kStart * static_cast<long>(tets);
-    }
-    /// Count a search.
-    void add_search(long evaluations) { spent_ += evaluations; }
+    /// Allow for a result of so many tets: those of the best mesh so far, or of the first start.
+    void lead_to(std::size_t tets) { tets_ = std::max(input_, tets); }
+    /// Count a start, or a search.
+    void add(long work) { spent_ += work; }
 
   private:
-    /// Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. From 6 to
-    /// 14 of them take a microsecond, so that all together ends within some 6 s and 4 ms per tet of one core.
+    /// Allowed whatever the size, and per tet of the larger of input and result: some 5 s and 5 ms per tet of one core.
     static constexpr double kBase = 75e6;
-    static constexpr double kPerTet = 42e3;
-    /// What making a start costs, in evaluations per tet of it.
-    static constexpr long kStart = 1500;
+    static constexpr double kPerTet = 75e3;
 
-    std::size_t tets_;
+    std::size_t input_, tets_;
     int effort_;
     long spent_ = 0;
 };

@@ -116,6 +116,7 @@ std::optional<search::StratifiedMesh> LocalSearch::resampled(const std::vector<d
     domain::Reference reference(surface_data(surface_));
     sampling::Resampled result =
         sampling::resample(reference, mesh_.cells, wanted_, options, {}, nullptr, monitor, workers_);
+    work_.add(result.work);
     if (listener_.stopped() || result.complex.all.tets.empty())
         return {};
     sampling::free_buried(result.cloud, result.complex, reference);
@@ -123,7 +124,6 @@ std::optional<search::StratifiedMesh> LocalSearch::resampled(const std::vector<d
         sampling::start_of(result, sampling::label_surface(result.cloud, result.complex, reference));
     if (!limit_.holds(start.mesh.tets.size()))
         return {};
-    work_.add_start(start.mesh.tets.size());
     const auto as_there = [&](int v) { // allowed at corners where sheets of the surface itself touch
         const int row = start.place[v];
         return start.mesh.stratum[row] == Stratum::corner && sheets_[start.mesh.label[row]] > 1;
@@ -145,7 +145,7 @@ Found LocalSearch::run(const search::StratifiedMesh &start, const std::vector<in
     options.kicks = kKicks * options_.effort;
     options.seed = options_.seed;
     options.worth = worth;
-    options.evaluations = static_cast<long>(part * static_cast<double>(work_.left()));
+    options.work = static_cast<long>(part * static_cast<double>(work_.left()));
     options.most = limit_.most();
     options.crease = std::cos(options_.crease_angle / 180.0 * std::numbers::pi);
     const std::vector<double> volumes = enclosed_volumes(on, mesh_.regions.size());
@@ -158,7 +158,7 @@ Found LocalSearch::run(const search::StratifiedMesh &start, const std::vector<in
     const search::SearchOutcome outcome = search.run(
         options, [&](const char *phase, double done, int bad) { return listener_.searching(phase, done, bad); });
     search::expect_kept(complex);
-    work_.add_search(outcome.evaluations);
+    work_.add(outcome.work);
     Found found{search::mesh_of(complex),
                 static_cast<std::size_t>(outcome.bad),
                 static_cast<std::size_t>(complex.over_count()),
@@ -176,12 +176,14 @@ std::vector<Found> LocalSearch::run_finer(search::StratifiedMesh start) {
     std::vector<Found> tried;
     std::vector<domain::SizeLimit> finer;
     std::vector<int> released; // without which the start was made
+    work_.lead_to(start.tets.size());
     for (double worth = this->worth();;) {
         const bool patient = this->worth() < worth && worth < kForever;
         tried.push_back(run(start, released, worth, patient ? kPatient : 1.0));
+        const Found &fewest = tried[ranked(tried).front()];
+        work_.lead_to(fewest.mesh.tets.size());
         if (tried.back().stuck.empty() || listener_.stopped() || worth == kForever || work_.left() == 0)
             return tried;
-        const Found &fewest = tried[ranked(tried).front()];
         const double share = static_cast<double>(fewest.stuck.size()) / static_cast<double>(fewest.mesh.tets.size());
         if (tried.size() == 1 && share > kFewStuck) {
             start = fewest.mesh;

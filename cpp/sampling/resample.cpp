@@ -1,5 +1,6 @@
 #include "sampling/resample.h"
 
+#include "base/work.h"
 #include "geometry/euler_characteristic.h"
 #include "sampling/lost_domain.h"
 #include "sampling/odt_relaxation.h"
@@ -147,6 +148,8 @@ class Resampling : Task {
     std::optional<Start> find_start();
     /// Where the start does not meet the domain, but for corners.
     std::vector<int> lost(const Start &start) const;
+    /// So far.
+    long work() const { return work_; }
 
   private:
     /// How many: sizes do where nearly all came right.
@@ -188,6 +191,7 @@ class Resampling : Task {
     delaunay::MovingDelaunay moving_;
     Milestones stands_;
     int tried_ = 0; // sweeps of trials so far
+    long work_ = 0;
 };
 
 Cloud Resampling::seeds() {
@@ -210,6 +214,7 @@ Cloud Resampling::relaxed(Cloud cloud, bool trial) {
     for (int sweep = 0; left > 0 && !monitor.stopped(); ++sweep) {
         --left;
         drop_twins(cloud);
+        work_ += WorkUnits::sweep * static_cast<long>(cloud.count());
         RestrictedDelaunay complex = restricted_delaunay(cloud, reference, map, workers, held, kept(cloud));
         if (sweep >= options.mend_from && sweep % options.mend_every == 0 && (trial || left >= options.mend_every))
             mend_surface(cloud, complex);
@@ -291,6 +296,7 @@ std::optional<Start> Resampling::improve(Cloud cloud) {
     std::vector<double> fewest; // bad tets and facets off, after each round since the domain was met
     for (int round = 0; round <= options.rounds && !monitor.stopped(); ++round) {
         std::vector<int> touched;
+        work_ += WorkUnits::round * static_cast<long>(cloud.count());
         Flaws flaws =
             represent(cloud, reference, map, held, fit_.shell, direction_, complex, touched, workers, kept(cloud));
         const std::vector<Tie> ties = curved_ ? tie_surface(cloud, complex, reference, workers) : std::vector<Tie>{};
@@ -375,6 +381,7 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     watch.lap("trials");
     std::optional<Start> best = resampling.find_start();
     result.stopped = monitor.stopped();
+    result.work = resampling.work();
     if (!best)
         return result;
     result.stats.emplace_back("off", static_cast<double>(best->off));

@@ -86,6 +86,7 @@ struct Resampled {
     /// characteristics, all held facets.
     bool intact = false;
     std::vector<int> lost; // points where it is not, but for corners
+    long work = 0;         // as of WorkUnits
     bool stopped = false;  // without a tet, where that was before there was any mesh; as where it was given up
     std::vector<std::pair<std::string, double>> stats;
 };

@@ -31,7 +31,8 @@ SearchOutcome CreaseRelease::run(const SearchOptions &options, const SearchProgr
         sum.kicks += one.kicks;
         sum.accepted += one.accepted;
         sum.evaluations += one.evaluations;
-        now.evaluations = std::max(0L, options.evaluations - sum.evaluations);
+        sum.work += one.work;
+        now.work = std::max(0L, options.work - sum.work);
         sum.stopped = one.stopped;
         if (one.stuck.empty() || one.stopped || !more)
             return sum;

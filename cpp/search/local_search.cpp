@@ -134,7 +134,7 @@ bool LocalSearch::kick_until_good(const SearchProgress &progress, const char *ph
     };
     for (long done = 0; kicks_.bad() > 0; ++done) {
         const long limit = std::max(1L, bearable(least));
-        if (vain >= limit || !worthwhile(price, least) || energy_.evaluations() >= options_.evaluations)
+        if (vain >= limit || !worthwhile(price, least) || work() >= options_.work)
             return give_up();
         if (done % rest == 0)
             complex_.resum();
@@ -226,8 +226,7 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     double before = std::numeric_limits<double>::infinity();
     for (int k = 0; k < options_.passes; ++k) {
         adopt(k % cycle == 0 ? broad_form(options_.acute) : sharp_form(options_.acute));
-        if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0 ||
-            energy_.evaluations() >= options_.evaluations)
+        if (!report("passes", static_cast<double>(k) / options_.passes) || outcome_.bad == 0 || work() >= options_.work)
             break;
         if (k % cycle == 0) {
             if (outcome_.bad > worth * before)
@@ -254,6 +253,7 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     outcome_.bad = static_cast<int>(outcome_.stuck.size());
     std::erase_if(outcome_.stuck, [&](int t) { return complex_.ruled_out(t); });
     outcome_.evaluations = energy_.evaluations();
+    outcome_.work = work();
     WCT_CHECK(complex_.checks.end(complex_, guide_);)
     return outcome_;
 }

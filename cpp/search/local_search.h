@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/work.h"
 #include "search/kicks.h"
 
 #include <functional>
@@ -21,8 +22,8 @@ struct SearchOptions {
     bool hurry = false; // whether it should stop soon where the goal is not reached: there are other ways to go on
     /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
     double worth = std::numeric_limits<double>::infinity();
-    /// Evaluations after which kicks end, whatever is left.
-    long evaluations = std::numeric_limits<long>::max();
+    /// Work, as of WorkUnits, after which kicks end, whatever is left.
+    long work = std::numeric_limits<long>::max();
     /// Tets that the mesh may grow to.
     std::size_t most = std::numeric_limits<std::size_t>::max();
     double crease = -1.0; // cosine of the angle by which creases bend, as of SurfaceWatch
@@ -37,6 +38,7 @@ struct SearchOutcome {
     long kicks = 0;
     long accepted = 0;
     long evaluations = 0;
+    long work = 0; // as of WorkUnits
     bool stopped = false;
 };
 
@@ -57,6 +59,7 @@ class LocalSearch {
     void adopt(const SearchForm &form);
     /// Those that miss the goal, or are at a facet beyond the tolerance.
     std::vector<int> bad_tets() const;
+    long work() const { return energy_.evaluations() + WorkUnits::look * watch_.looks(); }
     int count_bad() const { return static_cast<int>(bad_tets().size()); }
     void sweep(int recipe);
     /// How many kicks in vain to bear with this many bad tets left, and in a hurry.

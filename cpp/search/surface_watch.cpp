@@ -223,7 +223,10 @@ bool SurfaceWatch::facets_allow(const Vec3 &x) {
 bool SurfaceWatch::near(Piece &piece, double allowed) const {
     piece.over = 0.0;
     piece.pull = {};
-    if (piece.planar || guide_.near(piece.patch, piece.corners, allowed > 0.0 ? 7u : piece.edges, piece.hints))
+    if (piece.planar)
+        return true;
+    ++looks_;
+    if (guide_.near(piece.patch, piece.corners, allowed > 0.0 ? 7u : piece.edges, piece.hints))
         return true;
     if (allowed <= 0.0)
         return false;

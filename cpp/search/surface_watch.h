@@ -48,6 +48,8 @@ class SurfaceWatch {
     /// What facets beyond the tolerance cost at the place asked about last: the sum of 1 + over, and its gradient with
     /// respect to the vertex.
     double cost(Vec3 *gradient) const;
+    /// How often it looked whether a facet of a curved patch is near.
+    long looks() const { return looks_; }
     /// Unit normal of the surface at the vertex where it stands: the mean of its facets', larger ones count more.
     Vec3 normal() const;
 
@@ -117,6 +119,7 @@ class SurfaceWatch {
 
     TetComplex &complex_;
     const SurfaceGuide &guide_;
+    mutable long looks_ = 0;
     int vertex_ = -1; // that moves, or -1 while facets are replaced
     /// An edge of its crease, where no facet holds that near its curve.
     struct Along {

@@ -134,6 +134,12 @@ def test_cube_is_nearly_well_centered_and_keeps_its_size(cube):
     assert result.stats["bad"] < 0.09 * len(result.mesh.tets)
 
 
+def test_its_work_is_that_of_its_sweeps_and_rounds(cube):
+    """25 sweeps at 120 and 1 to 21 rounds at 400 per point, of which relaxation changes the number by some percent."""
+    points = len(cube[0].mesh.points)
+    assert 0.9 * (25 * 120 + 400) * points < cube[0].work < 1.1 * (25 * 120 + 21 * 400) * points
+
+
 def test_seeds_keep_their_distance(cube):
     result, _, _, _ = cube
     points, tets, size = result.mesh.points, result.mesh.tets, result.mesh.size

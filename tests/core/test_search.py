@@ -34,6 +34,21 @@ def test_fewer_tets_are_bad_and_the_mesh_is_valid(mesh):
     assert found.evaluations > 0
 
 
+@pytest.mark.parametrize(("mesh", "curved"), [(jittered_cube(3, 1), False), (ball(3), True)], ids=["cube", "ball"])
+def test_looks_at_curved_surfaces_are_work_too(mesh, curved):
+    found = search(mesh)
+    assert (found.work > found.evaluations) == curved
+    assert (found.work - found.evaluations) % 20 == 0
+
+
+@pytest.mark.parametrize("mesh", [jittered_cube(3, 1), ball(3)], ids=["cube", "ball"])
+def test_it_ends_where_its_work_does(mesh):
+    whole = search(mesh)
+    half = search(mesh, most_work=whole.work // 2)
+    assert half.work < 0.9 * whole.work  # a kick, or a pass, is carried to its end
+    assert half.bad >= whole.bad
+
+
 def test_flat_faces_keep_the_volume_and_the_box():
     mesh = jittered_cube(3, 2)
     found = search(mesh)

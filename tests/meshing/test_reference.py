@@ -6,7 +6,7 @@ from support.builders import ball, cylinder, interleaved_ball, kuhn_cube, sphere
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.triangle_surfaces import enclosed_volume
-from wct_plugin.meshing.followed_surface import enclosed_volumes, planar_share
+from wct_plugin.meshing.followed_surface import enclosed_volumes
 from wct_plugin.meshing.reference import TOLERANCE, given_surface, own_boundary
 from wct_plugin.meshing.reference_fit import bounds, clean, facing_out, gap, near
 
@@ -165,15 +165,3 @@ def test_the_reference_knows_what_is_behind_and_before_each_patch(seed):
     volumes = enclosed_volumes(own_boundary(mesh, 40.0))
     for tag in (0, 1):
         assert volumes[str(tag)] == pytest.approx(inside[mesh.regions == tag].sum(), rel=1e-12)
-
-
-def test_planar_share_is_that_of_the_area():
-    assert planar_share(own_boundary(two_region_cube(2), 40.0)) == 1.0
-    assert planar_share(own_boundary(ball(3), 40.0)) == 0.0
-    mesh = cylinder(12)
-    surface = mesh.boundary_surface()
-    corners = surface.points[surface.triangles]
-    vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = np.linalg.norm(vectors, axis=1)
-    ends = np.abs(vectors[:, 2]) > 0.99 * size
-    assert planar_share(own_boundary(mesh, 40.0)) == pytest.approx(size[ends].sum() / size.sum())

@@ -78,7 +78,7 @@ class SearchOptions:
     volumes: Floats | None = None  #: (regions,) what they are to have in the end
     worth: float = np.inf  #: evaluations per tet that getting rid of all bad tets is worth
     most_tets: int | None = None  #: what the mesh may grow to
-    most_evaluations: int | None = None  #: of tets' energies, after which kicks end
+    most_work: int | None = None  #: as of :class:`wct_plugin.core.results.SearchResult`, after which kicks end
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ class ResampleResult:
     """No such points but corners, no facet that cuts across from one planar patch to another, no gap in the creases of
     those, the Euler characteristic of every region as in the mesh, and all held facets"""
     lost: Ints  #: points where the domain is not represented, but for corners; -1 for one of no tet
+    work: int  #: in evaluations of a tet's energy
     stats: dict[str, Any]
 
 
@@ -36,6 +37,7 @@ class SearchResult:
     kicks: int
     accepted: int  #: kicks that made it better
     evaluations: int  #: tets measured
+    work: int  #: the same with what looking at curved surfaces costs
     stopped: bool  #: whether the listener ended the work
     released: Ints
     """(r,) curves that became ordinary surface; patches they divided have the smallest number of any of them"""

@@ -58,12 +58,6 @@ def patches_of_groups(mesh: TetMesh, own: Reference) -> dict[str, Ints]:
     }
 
 
-def planar_share(on: Reference) -> float:
-    """The share of its area that is in planar patches."""
-    area = patch_areas(on)
-    return float(area[planar_patches(on, area)].sum() / area.sum())
-
-
 def planar_patches(on: Reference, area: Floats) -> Bools:
     """(patches,) which are planar; ``area`` (patches,) of each."""
     vectors = normals(on.points, on.strata.triangles) / 2.0

@@ -11,7 +11,7 @@ from wct_plugin.core.requests import ResampleOptions, SearchOptions
 from wct_plugin.core.results import ResampleResult, SearchResult
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.triangle_surfaces import pinched
-from wct_plugin.meshing.followed_surface import planar_share, region_volumes
+from wct_plugin.meshing.followed_surface import region_volumes
 from wct_plugin.meshing.held_surface import HeldSurface
 from wct_plugin.meshing.kept_areas import KeptAreas
 from wct_plugin.meshing.local_tolerance import Tolerance
@@ -45,15 +45,16 @@ _AT_INTERFACES = 0.8
 _FEW_STUCK = 0.002
 _PATIENCE = 6.0
 _PATIENT = 0.4
-#: At interfaces, from so many tets on, the search of any start that is the best so far goes on, with all that is left
-#: where more than that share is stuck: ever fewer are, and shorter edges do not help, unless so many are stuck that
-#: there are too few points.
+#: At interfaces, from so many tets on, the search of any start that is the best so far goes on, with most of what is
+#: left where more than that share is stuck: ever fewer are. Shorter edges seldom help, unless so many are stuck that
+#: there are too few points; with the rest one whole start is tried, and if that is spoilt, more of the same.
 _SEVERAL_TETS = 2_000
 _MANY_STUCK = 0.035
+_MOST = 0.75
 #: Where more than this share of such a mesh is stuck, and not that many, no start has come back below it.
 _IN_VAIN = 0.005
 #: Where a start has come back with more than so many times the stuck tets of the best, the others do not come below it.
-_SPOILT = 10
+_SPOILT = 3
 #: Where more than this share of such a mesh is stuck, there are too few points: each start is finer than the last.
 _TOO_FEW_POINTS = 0.05
 #: Where more than this share of such a mesh's first start is stuck, as where parts are few edges wide, one that is
@@ -119,17 +120,18 @@ class LocalSearch:
             volumes=region_volumes(on) if moves else None,
             worth=worth,
             most_tets=self.limit.most,
-            most_evaluations=int(part * self.work.left),
+            most_work=int(part * self.work.left),
         )
         found = _core.search_well_centered(start, on.surface, options, self.listen.search)
-        self.work.add_search(found.evaluations, stuck=len(found.stuck))
+        self.work.add_search(found.work, stuck=len(found.stuck))
         return found
 
     def first_start(self, on: Reference, tolerance: Tolerance, lengths: Lengths) -> StratifiedMesh | None:
         """The first of some starts, which differ by chance alone, that represents the domain; None where none does.
 
-        Where a start is far from that, no other is tried.
+        Where a start is far from that, no other is tried. What it and all that follows may cost counts from here.
         """
+        self.work.begin()
         for attempt in range(_STARTS):
             found = self._sampled(on, tolerance, lengths, ShorterEdges.nowhere(), None, attempt)
             if found is None:
@@ -187,9 +189,9 @@ class LocalSearch:
             progress=self.listen.resample,
             expected=self.limit.expect,
         )
+        self.work.add_start(found.work)
         if not len(found.mesh.tets) or self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
             return None
-        self.work.add_start(len(found.mesh.tets))
         return found
 
     def _sound(self, found: ResampleResult, on: Reference) -> StratifiedMesh | None:
@@ -236,11 +238,9 @@ class LocalSearch:
 
         Where much of it is, its search goes on before that. Where the best is stuck in few places, the rest of it
         stays, and creases that it gave up stay so. Where none is stuck, but plane groups or interfaces did not keep
-        their areas, another start is tried that differs by chance alone. What that may cost counts from here: where
-        pairs of sides are to match, one such search follows another.
+        their areas, another start is tried that differs by chance alone.
         """
-        several = len(on.regions) > 1 and len(start.tets) >= _SEVERAL_TETS
-        self.work.begin_with(len(start.tets), planar_share(on) if several else 0.0)
+        self.work.lead_to(len(start.tets))
         tried, finer = [], ShorterEdges.nowhere()
         gone = np.empty(0, dtype=np.int64)  # the creases without which the start was made
         worth, part = self.worth, 1.0
@@ -249,9 +249,10 @@ class LocalSearch:
             found = self.run(start, self._without(on, gone), tolerance, worth, part)
             found = replace(found, released=np.union1d(gone, found.released))
             tried.append(found)
+            fewest = best(tried)
+            self.work.lead_to(len(fewest.mesh.tets))
             if self.listen.stopped or last or not self.work.left:
                 return tried
-            fewest = best(tried)
             if not len(fewest.stuck):
                 done = len(tried) > _FINER or self.areas is None or self.areas.holds(fewest)
                 again = None if done else self.resampled(on, tolerance, lengths, finer, attempt=len(tried))
@@ -267,8 +268,9 @@ class LocalSearch:
             finer = self._finer(on, tried, finer)
             again = None
             if len(tried) <= self._restarts(on, tried):
-                gone = fewest.released
-                again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
+                gone, again = fewest.released, None
+                if not self._tries_whole(on, tried):
+                    again = self._partial_restart(self._without(on, gone), tolerance, lengths, finer, tried)
                 if again is None:
                     gone = gone[:0]
                     again = self.resampled(on, tolerance, lengths, finer, attempt=len(tried))
@@ -305,13 +307,18 @@ class LocalSearch:
             return patient if len(tried) == 1 and stuck > _FEW_STUCK else None
         if stuck > _MANY_STUCK or last is not best(tried) or self._tries_another(on, tried):
             return None
-        return (np.inf, 1.0) if stuck > _FEW_STUCK else patient
+        return (np.inf, _MOST) if stuck > _FEW_STUCK else patient
 
     def _tries_another(self, on: Reference, tried: list[SearchResult]) -> bool:
         """Whether a finer start is made before the search from the first goes on."""
         first = tried[0]
         enough = len(first.stuck) > _ANOTHER * len(first.mesh.tets)
         return len(tried) == 1 and self._several(on, first) and enough
+
+    def _tries_whole(self, on: Reference, tried: list[SearchResult]) -> bool:
+        """Whether all is made anew after the search from the first start went on with most of the work."""
+        first = tried[0]
+        return len(tried) == 2 and self._several(on, first) and len(first.stuck) > _FEW_STUCK * len(first.mesh.tets)
 
     @staticmethod
     def _several(on: Reference, found: SearchResult) -> bool:

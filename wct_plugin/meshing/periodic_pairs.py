@@ -184,6 +184,7 @@ class PeriodicSurface:
         taken = set() if search.held is None else set(search.held.patch.tolist())
         held = self._faces(located, self._lines(located), taken)
         second = _holding(search, held, on)
+        second.work.begin()
         start = second.resampled(on, tolerance, lengths, restart=self._restart(found, held))
         if start is None:
             start = second.resampled(on, tolerance, lengths)

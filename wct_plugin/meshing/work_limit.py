@@ -1,47 +1,44 @@
-"""How long a search may go on: counted in work, not in seconds, so that its result is the same on any machine."""
+"""How long a search may go on: counted in work, not in seconds, so that its result is the same on any machine.
 
-#: Evaluations of a tet's energy allowed whatever the size, and per tet of the larger of input and start. On curved
-#: surfaces 4 to 9 of them take a microsecond, with what is asked of the surface for each, between planes 15 to 20: so
-#: all together ends within some 5 s and 5 ms per tet of CPU time.
+Work is counted in evaluations of a tet's energy, of which 15 take about a microsecond; the core counts what else takes
+long, looks at curved surfaces and the making of starts, as so many of them (``cpp/base/work.h``).
+"""
+
+#: Allowed whatever the size, and per tet of the larger of input and result: some 5 s and 5 ms per tet of CPU time.
 _BASE = 75_000_000
-_PER_TET = 42_000
-#: The same where all the surface is planar, and a search goes on to the end.
-_BASE_PLANAR = 85_000_000
-_PER_TET_PLANAR = 75_000
-#: What making a start costs, in evaluations per tet of it.
-_START = 1_500
+_PER_TET = 75_000
 
 
 class WorkLimit:
-    """What searches and their starts may cost together, and have cost since :meth:`begin_with`."""
+    """What searches and their starts may cost together, and have cost since :meth:`begin`."""
 
     def __init__(self, tets: int, effort: int) -> None:
         """Begin; ``tets`` of the input."""
+        self._input = tets
         self._tets = tets
         self._effort = effort
-        self._planar = 0.0
         self._spent = 0
         self.reached = False  #: whether a search or a start was cut off
 
     @property
     def left(self) -> int:
-        """Evaluations that are left."""
-        base = _BASE + self._planar * (_BASE_PLANAR - _BASE)
-        per_tet = _PER_TET + self._planar * (_PER_TET_PLANAR - _PER_TET)
-        return max(0, int(self._effort * (base + per_tet * self._tets)) - self._spent)
+        """Work that is left."""
+        return max(0, self._effort * (_BASE + _PER_TET * self._tets) - self._spent)
 
-    def begin_with(self, tets: int, planar: float = 0.0) -> None:
-        """Count anew, from a start of so many tets; the share of the surface that is ``planar``, where that counts."""
+    def begin(self) -> None:
+        """Count anew."""
         self._spent = 0
-        self._planar = planar
-        self.add_start(tets)
+        self._tets = self._input
 
-    def add_start(self, tets: int) -> None:
-        """Count a start of so many tets."""
-        self._tets = max(self._tets, tets)
-        self._spent += _START * tets
+    def lead_to(self, tets: int) -> None:
+        """Allow for a result of so many tets: those of the best mesh so far, or of the first start."""
+        self._tets = max(self._input, tets)
 
-    def add_search(self, evaluations: int, *, stuck: int) -> None:
+    def add_start(self, work: int) -> None:
+        """Count a start."""
+        self._spent += work
+
+    def add_search(self, work: int, *, stuck: int) -> None:
         """Count a search that leaves so many tets stuck."""
-        self._spent += evaluations
+        self._spent += work
         self.reached = stuck > 0 and self.left == 0

@@ -84,7 +84,7 @@ std::vector<WholeRun> whole_runs() {
     options.fixed = {1, 0, 0, 0, 0, 0};
     options.fixed_curves = {1, 1, 1};
     options.fixed_curves.resize(12, 0);
-    options.evaluations = 400'000;
+    options.work = 400'000;
     options.worth = 2000.0;
     add("one face fixed", searched(start_of(cube(3, 0.25, 9)), cube(3, 0.25, 9), 0.02, options));
 
