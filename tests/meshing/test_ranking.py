@@ -20,7 +20,7 @@ START = search_mesh.from_mesh(MESH, OWN, pinned=False)
 
 def found(bad=0, beyond=0.0, points=START.points):
     mesh = replace(START, points=points)
-    return SearchResult(mesh, bad, np.arange(bad), beyond, 0, 0, 0, 0, stopped=False, released=NONE)
+    return SearchResult(mesh, bad, np.arange(bad), beyond, 0, 0, 0, 0, 0, stopped=False, released=NONE)
 
 
 def test_few_bad_tets_come_first_and_of_equals_the_last():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.builders import ball, cylinder, interleaved_ball, kuhn_cube, sphere_surface, two_region_cube
+from support.builders import ball, interleaved_ball, kuhn_cube, sphere_surface, two_region_cube
 
 from wct_plugin.mesh import SurfaceMesh, TetMesh
 from wct_plugin.mesh.triangle_surfaces import enclosed_volume

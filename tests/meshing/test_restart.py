@@ -33,7 +33,7 @@ def stuck_in(share: float, count: int = 1000) -> SearchResult:
         crease_curve=none,
     )
     stuck = np.arange(round(share * count))
-    return SearchResult(mesh, len(stuck), stuck, 0.0, 0, 0, 0, 0, stopped=False, released=none)
+    return SearchResult(mesh, len(stuck), stuck, 0.0, 0, 0, 0, 0, 0, stopped=False, released=none)
 
 
 def test_only_a_part_is_made_anew_where_little_of_it_is_stuck():

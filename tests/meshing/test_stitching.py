@@ -64,7 +64,7 @@ def shuffled(start, seed=3):
 
 def result(mesh, stuck=NOWHERE):
     """As if a search had led to the mesh."""
-    return SearchResult(mesh, len(stuck), stuck, 0.0, 0, 0, 0, 0, stopped=False, released=NOWHERE)
+    return SearchResult(mesh, len(stuck), stuck, 0.0, 0, 0, 0, 0, 0, stopped=False, released=NOWHERE)
 
 
 def test_the_same_mesh_stays(start):
