@@ -105,7 +105,7 @@ struct WellCenterMetrics {
     int starts = 0;                        ///< Searches: the first, and others after it was stuck.
     int passes = 0;                        ///< Sweeps over all bad tets.
     std::int64_t kicks = 0;                ///< Tries of the iterated local search.
-    std::int64_t evaluations = 0;          ///< Of a tet's energy: six to fourteen take a microsecond.
+    std::int64_t evaluations = 0;          ///< Of a tet's energy: ten to twenty take a microsecond.
     double tolerance = 0.0;                ///< That was used, as a fraction of the diagonal.
     std::vector<int> released;             ///< Curves, creases by their angle alone, that became ordinary surface. The
                                            ///< patches beside them were joined under the smallest number.

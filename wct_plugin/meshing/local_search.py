@@ -64,7 +64,7 @@ _ANOTHER = 0.018
 _MOVED = 10.0
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
-#: What a mesh without bad tets is worth, in evaluations per tet (ten or more take a microsecond), where the surface or
+#: What a mesh without bad tets is worth, in evaluations per tet, where the surface or
 #: its vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where
 #: another start, with shorter edges, takes less: most that come right have come so by then.
 _WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 5_000.0}
@@ -129,9 +129,8 @@ class LocalSearch:
     def first_start(self, on: Reference, tolerance: Tolerance, lengths: Lengths) -> StratifiedMesh | None:
         """The first of some starts, which differ by chance alone, that represents the domain; None where none does.
 
-        Where a start is far from that, no other is tried. What it and all that follows may cost counts from here.
+        Where a start is far from that, no other is tried.
         """
-        self.work.begin()
         for attempt in range(_STARTS):
             found = self._sampled(on, tolerance, lengths, ShorterEdges.nowhere(), None, attempt)
             if found is None:

@@ -176,6 +176,7 @@ class PeriodicSurface:
         if anew:
             lines = self._lines(_Located.of(plain.mesh, on, search.held))
             first = _holding(search, lines, on)
+            first.work.begin()  # each of the searches that follow one another may take as much
             start = first.first_start(on, tolerance, lengths)
             if start is None:
                 raise Unmatched("no mesh was found with the curves that they share")
