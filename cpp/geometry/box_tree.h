@@ -34,10 +34,13 @@ struct Box {
         return p.x >= lo.x && p.x <= hi.x && p.y >= lo.y && p.y <= hi.y && p.z >= lo.z && p.z <= hi.z;
     }
     /// Squared distance of a point to the box, 0 inside.
-    double square(const Vec3 &p) const {
-        const double x = std::max({0.0, lo.x - p.x, p.x - hi.x});
-        const double y = std::max({0.0, lo.y - p.y, p.y - hi.y});
-        const double z = std::max({0.0, lo.z - p.z, p.z - hi.z});
+    double square(const Vec3 &p) const { return square({p, p}); }
+    /// The same of another box.
+    double square(const Box &b) const {
+        // Two by two: of a list, compilers make branches.
+        const double x = std::max(0.0, std::max(lo.x - b.hi.x, b.lo.x - hi.x));
+        const double y = std::max(0.0, std::max(lo.y - b.hi.y, b.lo.y - hi.y));
+        const double z = std::max(0.0, std::max(lo.z - b.hi.z, b.lo.z - hi.z));
         return x * x + y * y + z * z;
     }
 };

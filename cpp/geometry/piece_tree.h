@@ -135,7 +135,30 @@ template <std::size_t corners> class PieceTree {
         return found;
     }
 
+    /// Of values of the pieces, at each the least of those that may be within this distance of it.
+    std::vector<double> least_around(const std::vector<double> &values, double distance) const {
+        const std::vector<double> below = tree_.smallest(values);
+        std::vector<double> least;
+        least.reserve(values.size());
+        for (std::size_t k = 0; k < pieces_.size(); ++k) {
+            const Box here = box_of(pieces_[k]);
+            const auto near = [&](const Box &box) { return box.square(here) <= distance * distance; };
+            constexpr double far = std::numeric_limits<double>::infinity();
+            least.push_back(tree_.minimise(
+                values[k], [&](std::size_t node) { return near(tree_.box(node)) ? below[node] : far; },
+                [&](std::size_t item, double) { return near(box_of(pieces_[item])) ? values[item] : far; }));
+        }
+        return least;
+    }
+
   private:
+    static Box box_of(const Piece &piece) {
+        Box box;
+        for (const Vec3 &corner : piece)
+            box.add(corner);
+        return box;
+    }
+
     Vec3 closest_of(std::int32_t piece, const Vec3 &x) const {
         const Piece &c = pieces_[static_cast<std::size_t>(piece)];
         if constexpr (corners == 3)
@@ -188,10 +211,10 @@ template <std::size_t corners> class PieceTree {
     /// Pieces are halved by the means of their corners along the longest side of the box round them, and put in the
     /// tree's order, so that those of one leaf lie side by side in memory.
     void build() {
-        std::vector<Box> boxes(pieces_.size());
-        for (std::size_t k = 0; k < pieces_.size(); ++k)
-            for (const Vec3 &corner : pieces_[k])
-                boxes[k].add(corner);
+        std::vector<Box> boxes;
+        boxes.reserve(pieces_.size());
+        for (const Piece &piece : pieces_)
+            boxes.push_back(box_of(piece));
         const auto middle = [&](std::int32_t k) {
             Vec3 sum;
             for (const Vec3 &corner : pieces_[static_cast<std::size_t>(k)])

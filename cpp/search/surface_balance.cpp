@@ -49,7 +49,7 @@ void SurfaceBalance::smooth() {
             if (!complex_.used(v) || vertex.stratum != Stratum::patch || guide_.planar(vertex.label))
                 continue;
             curved.push_back(v);
-            height[v] = guide_.height(vertex.label, vertex.position);
+            height[v] = guide_.height(vertex.label, vertex.position, vertex.hint);
         }
         for (const int v : curved) {
             double sum = 0.0;
@@ -297,7 +297,7 @@ void SurfaceBalance::keep_volumes() {
                 continue;
             const std::array<Vec3, 3> corners = complex_.corners(key);
             const Vec3 middle = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]);
-            const Vec3 normal = guide_.normal(patch, middle);
+            const Vec3 normal = guide_.normal(patch, middle, complex_.facet(key).hints[0]);
             for (const int t : complex_.star(key[0])) {
                 if (!complex_.has(t, key[1]) || !complex_.has(t, key[2]))
                     continue;
@@ -358,7 +358,8 @@ std::vector<int> SurfaceBalance::tets_near(int v) const {
 }
 
 bool SurfaceBalance::shift(int v, double by) {
-    return move(v, complex_.point(v) + by * guide_.normal(complex_.vertex(v).label, complex_.point(v)));
+    const Vertex &vertex = complex_.vertex(v);
+    return move(v, vertex.position + by * guide_.normal(vertex.label, vertex.position, vertex.hint));
 }
 
 bool SurfaceBalance::move(int v, const Vec3 &x) {

@@ -46,6 +46,10 @@ constexpr double kWeights[kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
                                           {0, .5, .5},
                                           {.5, 0, .5}};
 
+double square(double x) {
+    return x * x;
+}
+
 Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
     return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
 }
@@ -130,12 +134,14 @@ void SurfaceGuide::make_patches(const Surface &surface) {
         std::vector<std::array<Vec3, 3>> pieces;
         for (const Facet &f : members)
             pieces.push_back({points[f[0]], points[f[1]], points[f[2]]});
-        Patch one{geometry::PieceTree<3>(std::move(pieces)), false, {}, 0.0, {}};
+        Patch one{geometry::PieceTree<3>(std::move(pieces)), false, {}, 0.0, {}, {}};
         for (const Facet &f : members)
             one.area += 0.5 * norm(normal_of({points[f[0]], points[f[1]], points[f[2]]}));
         const double least = least_of(surface, members, tolerance_);
-        if (least < tolerance_)
+        if (least < tolerance_) {
             one.local = of_pieces(surface, members, one.tree.pieces());
+            one.surely = one.tree.least_around(one.local, 2.0 * tolerance_);
+        }
         const auto [plane, extent, off] = geometry::plane_of(points, members);
         one.plane = plane;
         one.planar = extent > geometry::kept_extent(diagonal_, least) && geometry::is_flat(off, extent, flat);
@@ -254,6 +260,10 @@ Freedom SurfaceGuide::admit_on(const Patch &patch, Vec3 &x, std::int32_t &hint) 
         clamp(patch.tree, kShell * tolerance_, x, hint);
         return {};
     }
+    const Near near = downhill(patch, x, kShell, hint);
+    hint = near.piece;
+    if (near.surely)
+        return {};
     const auto found = patch.tree.closest(x, hint);
     hint = found.piece;
     pull_to(found.point, kShell * patch.local[found.piece], x);
@@ -291,52 +301,61 @@ Freedom SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, std::int32_t &hint) c
     return {};
 }
 
-bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
-    const geometry::PieceTree<3> &tree = patches_[patch].tree;
-    const double inside = kInside * kInside * tolerance_ * tolerance_;
-    const std::vector<double> &local = patches_[patch].local;
-    double least = tolerance_; // of the samples so far
-    const auto sample_near = [&](int k) {
-        if (!local.empty()) {
-            const Vec3 x = blend(kWeights[k], corners);
-            const auto found = tree.closest(x, hints[k]);
-            hints[k] = found.piece;
-            least = std::min(least, local[found.piece]);
-            return tree.reaches(found.piece, x, kInside * kInside * local[found.piece] * local[found.piece]);
-        }
-        const std::int32_t found = tree.within(blend(kWeights[k], corners), inside, hints[k]);
+SurfaceGuide::Near SurfaceGuide::downhill(const Patch &patch, const Vec3 &x, double share, std::int32_t hint) {
+    const auto within = [&](std::int32_t piece) { return square(share * patch.surely[piece]); };
+    const auto [piece, distance] = patch.tree.downhill(x, within(hint), hint);
+    return {piece, distance <= within(piece)};
+}
+
+bool SurfaceGuide::sample_near(const Patch &patch, const Vec3 &x, std::int32_t &hint, double &least) const {
+    if (patch.local.empty()) {
+        const std::int32_t found = patch.tree.within(x, square(kInside * tolerance_), hint);
         if (found >= 0)
-            hints[k] = found;
+            hint = found;
         return found >= 0;
-    };
-    if (!sample_near(0))
+    }
+    const Near near = downhill(patch, x, kInside, hint);
+    hint = near.piece;
+    if (!near.surely)
+        hint = patch.tree.closest(x, hint).piece;
+    least = std::min(least, patch.local[hint]);
+    return near.surely || patch.tree.reaches(hint, x, square(kInside * patch.local[hint]));
+}
+
+bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
+    const Patch &on = patches_[patch];
+    double least = tolerance_; // of the samples so far
+    const auto is_near = [&](int k) { return sample_near(on, blend(kWeights[k], corners), hints[k], least); };
+    if (!is_near(0))
         return false;
     const Vec3 n = normal_of(corners);
-    const Vec3 m = normal_of(tree.pieces()[hints[0]]);
+    const Vec3 m = normal_of(on.tree.pieces()[hints[0]]);
     if (std::abs(dot(n, m)) < kTurned * norm(n) * norm(m))
         return false;
     // What is not near is mostly not near in the middle of an edge, or else inside; the whole length comes last.
     for (int k = 0; k < 3; ++k)
-        if (edges >> k & 1u && !sample_near(kInner + k))
+        if (edges >> k & 1u && !is_near(kInner + k))
             return false;
     for (int k = 1; k < kInner; ++k)
-        if (!sample_near(k))
+        if (!is_near(k))
             return false;
     for (int k = 0; k < 3; ++k)
-        if (edges >> k & 1u && !kAlong.all_near(tree, corners[k], corners[(k + 1) % 3], least, hints[kSamples + k]))
+        if (edges >> k & 1u && !kAlong.all_near(on.tree, corners[k], corners[(k + 1) % 3], least, hints[kSamples + k]))
             return false;
     return true;
 }
 
 SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
                                     double enough) const {
-    const geometry::PieceTree<3> &tree = patches_[patch].tree;
-    const std::vector<double> &local = patches_[patch].local;
+    const Patch &on = patches_[patch];
+    const auto &[tree, local] = std::tie(on.tree, on.local);
     Gap worst;
     for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
         const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
-        if (local.empty() && worst.distance > 0.0 && tree.reaches(hints[k], x, worst.distance * worst.distance))
+        const double within =
+            local.empty() ? worst.distance : std::min(worst.distance * on.surely[hints[k]] / tolerance_, tolerance_);
+        if (within > 0.0 && tree.reaches(hints[k], x, square(within)))
             continue; // no farther than another is
         const auto found = tree.closest(x, hints[k]);
         hints[k] = found.piece;
@@ -363,9 +382,8 @@ double SurfaceGuide::height(int patch, const Vec3 &x, std::int32_t guess) const 
     return dot(off, normal_of(tree.pieces()[found.piece])) < 0.0 ? -norm(off) : norm(off);
 }
 
-Vec3 SurfaceGuide::normal(int patch, const Vec3 &x) const {
-    const geometry::PieceTree<3> &tree = patches_[patch].tree;
-    return unit(normal_of(tree.pieces()[tree.closest(x).piece]));
+Vec3 SurfaceGuide::normal(int patch, const Vec3 &x, std::int32_t guess) const {
+    return normal(patch, patches_[patch].tree.closest(x, guess).piece);
 }
 
 bool SurfaceGuide::allows_crease(int curve, const Vec3 &p, const Vec3 &q) const {

@@ -79,9 +79,9 @@ class SurfaceGuide {
     /// Mean signed distance of the facet from its patch, in front of the patch's triangles positive.
     double offset(int patch, const std::array<Vec3, 3> &corners, const SurfaceHints &hints) const;
     /// Signed distance of x from the patch, in front of its triangles positive. `guess`: a piece nearby.
-    double height(int patch, const Vec3 &x, std::int32_t guess = 0) const;
+    double height(int patch, const Vec3 &x, std::int32_t guess) const;
     /// Unit normal of the patch where it is closest to x.
-    Vec3 normal(int patch, const Vec3 &x) const;
+    Vec3 normal(int patch, const Vec3 &x, std::int32_t guess) const;
     /// Unit normal of one of its pieces, as hints number them.
     Vec3 normal(int patch, std::int32_t piece) const { return unit(normal_of(patches_[patch].tree.pieces()[piece])); }
     /// Whether the edge pq is near the curve: the same answer for qp, or what one end is allowed would not bind the
@@ -128,6 +128,9 @@ class SurfaceGuide {
         geometry::Plane plane;
         double area = 0.0;
         std::vector<double> local; // tolerance per piece of the tree; empty: all the same
+        /// The least of those at pieces that may be nearest to what is within the tolerance of this one: what it
+        /// surely is there, wherever the nearest is.
+        std::vector<double> surely;
     };
     struct Curve {
         geometry::PieceTree<2> tree;
@@ -141,6 +144,15 @@ class SurfaceGuide {
     /// Put x where a vertex of the patch or curve may be; returns how it may go on from there.
     Freedom admit_on(const Patch &patch, Vec3 &x, std::int32_t &hint) const;
     Freedom admit_on(const Curve &curve, Vec3 &x, std::int32_t &hint) const;
+    /// The way downhill from the piece `hint`: where it ends, and whether that is surely within this share of the
+    /// tolerance.
+    struct Near {
+        std::int32_t piece;
+        bool surely;
+    };
+    static Near downhill(const Patch &patch, const Vec3 &x, double share, std::int32_t hint);
+    /// Whether a sample of a facet is near the patch. `least` comes down to the tolerance of the piece it is near.
+    bool sample_near(const Patch &patch, const Vec3 &x, std::int32_t &hint, double &least) const;
     void make_patches(const Surface &surface);
     void make_curves(const Surface &surface);
     void make_corners(const Surface &surface);

@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from support.builders import kuhn_grid
 
 from wct_plugin.core import _core
 from wct_plugin.core.domain import StratifiedSurface
-from wct_plugin.meshing.local_tolerance import describe
+from wct_plugin.mesh import SurfaceMesh, TetMesh
+from wct_plugin.meshing.local_tolerance import describe, find_tolerance
+from wct_plugin.meshing.reference import given_surface, own_boundary
+from wct_plugin.meshing.reference_fit import apart_at
 
 
 def _box(low, high):
@@ -88,6 +92,47 @@ def test_no_wall_where_two_sides_meet_at_a_sharp_edge():
     edges = np.array([[0, 1], [0, 2], [0, 4], [1, 3], [1, 5], [2, 3], [4, 5], [2, 4], [3, 5]])
     found = _local(points, triangles, np.array([0, 0, 1, 1, 2, 2, 3, 4]), edges, most=0.02)
     assert (found == 0.02).all()
+
+
+def _plate():
+    """One of .04, eight cells wide, and its own boundary."""
+    grid = kuhn_grid((8, 8, 1))
+    extent = np.ptp(grid.points, axis=0)
+    mesh = TetMesh(grid.points * np.array([1.0, 1.0, 0.04]) / extent, grid.tets)
+    return mesh, own_boundary(mesh, 40.0)
+
+
+def _with_tip(mesh, height):
+    """Its surface with the vertex in the middle of the top higher; the points at triangles with that."""
+    surface = mesh.boundary_surface()
+    tip = int(np.argmin(np.linalg.norm(surface.points - np.array([0.5, 0.5, 0.04]), axis=1)))
+    points = surface.points.copy()
+    points[tip, 2] += height
+    beside = np.unique(surface.triangles[(surface.triangles == tip).any(axis=1)])
+    return SurfaceMesh(points, surface.triangles), beside
+
+
+def test_how_far_the_mesh_came_from_a_tip_that_its_mesher_left_out():
+    mesh, own = _plate()
+    surface, beside = _with_tip(mesh, 0.01)
+    on = given_surface(surface, mesh, 40.0)
+    near = np.linalg.norm(on.points[:, None] - surface.points[beside], axis=2).min(axis=1) < 1e-12
+    apart = apart_at(on, own)
+    assert near.sum() == len(beside) == 7
+    assert apart[near] == pytest.approx(np.full(7, 0.01))
+    assert (apart[~near] < 1e-15).all()
+
+
+def test_the_tolerance_is_no_less_than_how_far_the_mesh_came_there():
+    mesh, own = _plate()
+    most = 0.012  # a quarter is .003, a tenth of the plate .004
+    on = given_surface(_with_tip(mesh, 0.01)[0], mesh, 40.0)
+    apart = apart_at(on, own)
+    exact, lifted = find_tolerance(on, most).local, find_tolerance(on, most, 0.0, own).local
+    assert exact.min() == pytest.approx(0.004)
+    assert (lifted == np.maximum(exact, apart)).all()
+    assert (lifted > exact).sum() == 7
+    assert find_tolerance(on, 0.008, 0.0, own).local.max() == 0.008  # and no more than is asked for
 
 
 def test_a_coarse_default_and_a_small_place_are_named():

@@ -6,6 +6,7 @@ import numpy as np
 
 from wct_plugin.core import _core
 from wct_plugin.meshing.reference import Reference
+from wct_plugin.meshing.reference_fit import apart_at
 from wct_plugin.types import Floats
 
 #: The least, as a share of the tolerance asked for.
@@ -35,12 +36,15 @@ class Tolerance(NamedTuple):
         return {"least": float(self.local[row]) / diagonal, "at": (on.points[row] * scale).tolist()}
 
 
-def find_tolerance(on: Reference, most: float, apart: float = 0.0) -> Tolerance:
+def find_tolerance(on: Reference, most: float, apart: float = 0.0, own: Reference | None = None) -> Tolerance:
     """At most ``most``, and a tenth of the wall, gap or radius there: no less than a quarter, or what is ``apart``.
 
-    ``apart``: how far the mesh that came in is from the surface.
+    ``apart``: how far the mesh that came in is from the surface where it follows that at all. ``own``: its boundary,
+    where that is not the surface itself; it may be farther off in places, as where walls are too thin for its mesher.
     """
     local = _core.local_tolerance(on.surface, tolerance=most, floor=max(_FLOOR * most, apart))
+    if own is not None:
+        local = np.maximum(local, np.minimum(apart_at(on, own), most))
     return Tolerance(most, local if (local < most).any() else None)
 
 

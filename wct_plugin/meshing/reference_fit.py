@@ -149,3 +149,21 @@ def gap(own: Reference, surface: SurfaceMesh, tolerance: float) -> float:
     off[triangles[far > tolerance]] = True
     follows = ~off[triangles].any(axis=1)
     return float(min(far[follows].max(initial=0.0), tolerance / 2))
+
+
+def apart_at(on: Reference, own: Reference) -> Floats:
+    """How far the surface ``on`` and the mesh's own boundary are apart, both ways, at each point of the surface (n,).
+
+    At all corners of a triangle it is what it is anywhere on it.
+    """
+    triangles, own_triangles = on.strata.triangles, own.strata.triangles
+    off = _core.closest_points(own.points, own_triangles, on.points)[2]
+    far = np.maximum(
+        off[triangles].max(axis=1),
+        _core.closest_points(own.points, own_triangles, on.points[triangles].mean(axis=1))[2],
+    )
+    places = np.concatenate([own.points[np.unique(own_triangles)], own.points[own_triangles].mean(axis=1)])
+    _, at, back = _core.closest_points(on.points, triangles, places)
+    np.maximum.at(far, at, back)
+    np.maximum.at(off, triangles, far[:, None])
+    return off

@@ -121,8 +121,10 @@ class Followed:
         if surface is not None and reason:
             warn_of_own_facets(reason)
             near -= gap(own, surface, tolerance)  # what lies between the two comes off the tolerance
-        apart = gap(own, surface, near) if surface is not None and followed is not own else 0.0
-        within = _tolerance_of(followed, near, options, apart)
+        if surface is None or followed is own:
+            within = _tolerance_of(followed, near, options)
+        else:
+            within = _tolerance_of(followed, near, options, gap(own, surface, near), own)
         return cls(given, own, followed, held, straight, put_right, tolerance, within)
 
     def on_own(self, options: WellCenterOptions) -> "Followed":
@@ -154,9 +156,11 @@ class Followed:
         return Found(mesh, measured, self.tolerance, work, self.surface)
 
 
-def _tolerance_of(on: Reference, most: float, options: WellCenterOptions, apart: float = 0.0) -> Tolerance:
+def _tolerance_of(
+    on: Reference, most: float, options: WellCenterOptions, apart: float = 0.0, own: Reference | None = None
+) -> Tolerance:
     """At most so much, and less in places unless that is not wanted; arguments as of :func:`find_tolerance`."""
-    return find_tolerance(on, most, apart) if options.local_tolerance else Tolerance(most)
+    return find_tolerance(on, most, apart, own) if options.local_tolerance else Tolerance(most)
 
 
 def _search(

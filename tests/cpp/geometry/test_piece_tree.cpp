@@ -144,4 +144,34 @@ TEST_CASE("closest_on with a frame agrees with closest_on without, within the sl
     }
 }
 
+TEST_CASE("PieceTree: the least value around a piece is no more than that of any piece so near, and one of those") {
+    const auto pieces = triangles_of(ball(4, 0.2, 1));
+    const PieceTree<3> tree(pieces);
+    Random random(5);
+    std::vector<double> values;
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+        values.push_back(random.uniform());
+    for (const double distance : {0.0, 0.1, 10.0}) {
+        const std::vector<double> least = tree.least_around(values, distance);
+        REQUIRE(least.size() == values.size());
+        for (std::size_t k = 0; k < least.size(); ++k) {
+            double near = 1.0, perhaps = 1.0; // of those that are so near, and that may be so
+            for (std::size_t j = 0; j < least.size(); ++j) {
+                double apart = std::numeric_limits<double>::infinity(); // at most three lengths beyond what it is
+                double longest = 0.0;
+                for (const Vec3 &corner : tree.pieces()[j])
+                    apart = std::min(apart, std::sqrt(static_cast<double>(square_to(corner, tree.pieces()[k]))));
+                for (const auto &[a, b, c] : {tree.pieces()[j], tree.pieces()[k]})
+                    longest = std::max({longest, norm(b - a), norm(c - b), norm(a - c)});
+                if (apart <= distance)
+                    near = std::min(near, values[j]);
+                if (apart <= distance + 3.0 * longest)
+                    perhaps = std::min(perhaps, values[j]);
+            }
+            REQUIRE(least[k] <= near);
+            REQUIRE(least[k] >= perhaps);
+        }
+    }
+}
+
 } // namespace wct::tests

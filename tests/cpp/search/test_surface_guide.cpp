@@ -172,16 +172,64 @@ TEST_CASE(
         CHECK(norm(gap.to_surface) == doctest::Approx(gap.distance));
         CHECK(distance_to_patch(body, 0, at) == doctest::Approx(gap.distance).epsilon(1e-9));
         const Vec3 x = (0.5 + random.uniform()) * unit(random.normal3());
-        const double height = guide.height(0, x);
+        const double height = guide.height(0, x, 0);
         CHECK(std::abs(height) == doctest::Approx(distance_to_patch(body, 0, x)).epsilon(1e-9));
         if (std::abs(norm(x) - 1.0) > 0.1)
             CHECK((height > 0.0) == (norm(x) > 1.0)); // in front is outside
-        CHECK(dot(guide.normal(0, x), unit(x)) > 0.8);
+        CHECK(dot(guide.normal(0, x, 0), unit(x)) > 0.8);
         search::SurfaceHints unused{};
         CHECK(guide.offset(0, {1.05 * corners[0], 1.05 * corners[1], 1.05 * corners[2]}, unused) > 0.0);
     }
     CHECK(near > 30);
     CHECK(near < 350);
+}
+
+TEST_CASE("SurfaceGuide: where the tolerance is less in places, facets and vertices keep the one of the nearest piece") {
+    const Body body = ball(5, 0.1, 3);
+    std::vector<double> local;
+    for (const Vec3 &p : body.points)
+        local.push_back(kTolerance * std::clamp(0.5 + 0.5 * p.z, 0.25, 1.0));
+    const search::SurfaceGuide guide({body.points, body.facets, body.patch, body.creases, body.curve, 0.0, local},
+                                     kTolerance, 0.1);
+    // Of the nearest triangle: the greatest of equally near ones.
+    const auto tolerance_at = [&](const Vec3 &p) {
+        const double distance = distance_to_patch(body, 0, p);
+        double greatest = 0.0;
+        for (const auto &[a, b, c] : body.facets)
+            if (std::sqrt(square_to(p, std::array{body.points[a], body.points[b], body.points[c]})) <= distance + 1e-12)
+                greatest = std::max(greatest, std::min({local[a], local[b], local[c]}));
+        return greatest;
+    };
+    Random random(4);
+    int near = 0;
+    for (int k = 0; k < 600; ++k) {
+        const Facet &f = body.facets[random.below(static_cast<int>(body.facets.size()))];
+        const double least = std::min({local[f[0]], local[f[1]], local[f[2]]});
+        const double share = 2.0 * random.uniform(); // by which each corner may be off, in the least of the tolerances
+        std::array<Vec3, 3> corners;
+        for (int i = 0; i < 3; ++i)
+            corners[i] = (1.0 + share * least * (2.0 * random.uniform() - 1.0)) * body.points[f[i]];
+        search::SurfaceHints hints{};
+        const bool is = guide.near(0, corners, 7, hints);
+        near += is;
+        if (share < 0.3)
+            CHECK(is);
+        const Vec3 middle = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]);
+        if (is)
+            CHECK(distance_to_patch(body, 0, middle) <= tolerance_at(middle));
+        search::Vertex vertex;
+        vertex.stratum = Stratum::patch;
+        vertex.label = 0;
+        for (Vec3 x : {corners[0], (1.0 + 3.0 * least * random.uniform()) * body.points[f[1]]}) {
+            const Vec3 asked = x;
+            guide.admit(vertex, x);
+            CHECK(distance_to_patch(body, 0, x) <= tolerance_at(asked));
+            if (distance_to_patch(body, 0, asked) < 0.2 * kTolerance)
+                CHECK(x == asked);
+        }
+    }
+    CHECK(near > 150);
+    CHECK(near < 550);
 }
 
 TEST_CASE("SurfaceGuide: landmarks are the vertices and points between them, as close together as asked") {
