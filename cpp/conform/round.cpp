@@ -237,8 +237,8 @@ void Round::split_facet(const Facet &f, double off) {
 void Round::mirror(const Vec3 &on, const Vec3 &normal, double radius, double size) {
     for (const double side : {-1.0, 1.0}) {
         int triangle = -1;
-        const double far = reference_.ray(on, side * normal, kThinnest * radius, triangle);
-        if (triangle >= 0 && far < radius)
+        const double far = reference_.ray(on, side * normal, kThinnest * radius, radius, triangle);
+        if (triangle >= 0)
             points_.insert_on_patch(on + far * side * normal, reference_.data().patch[triangle], size, kGap * radius);
     }
 }

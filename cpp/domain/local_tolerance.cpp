@@ -35,6 +35,7 @@ bool meets(const SharpEdges &edges, const Vec3 &p, double width) {
 std::vector<double> local_tolerance(const Reference &reference, double most, double floor, const Workers &workers) {
     const SurfaceData &data = reference.data();
     const SharpEdges sharp(reference), notches(reference, true);
+    const double reach = 2.0 * most / kShare; // of a wall or gap that counts, or of twice the radius
     std::vector<double> of_triangle(data.triangles.size(), most);
     workers.for_each(of_triangle.size(), 64, [&](std::size_t t) {
         const int triangle = static_cast<int>(t);
@@ -50,7 +51,7 @@ std::vector<double> local_tolerance(const Reference &reference, double most, dou
                 const Vec3 p = w[0] * data.points[a] + w[1] * data.points[b] + w[2] * data.points[c];
                 const Vec3 along = (side == 0 ? -1.0 : 1.0) * n;
                 int hit = -1;
-                const double across = reference.ray(p, along, kStart * reference.diagonal(), hit);
+                const double across = reference.ray(p, along, kStart * reference.diagonal(), reach, hit);
                 if (hit < 0 || dot(reference.normal(hit), n) > kParallel)
                     continue;
                 // Round a hole or a rod the way across is twice the radius.

@@ -290,12 +290,11 @@ Foot Reference::nearest(const Vec3 &p, int patch, int hint) const {
     return foot;
 }
 
-double Reference::ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const {
-    const Vec3 inverse{1.0 / direction.x, 1.0 / direction.y, 1.0 / direction.z};
+double Reference::ray(const Vec3 &p, const Vec3 &direction, double least, double most, int &triangle) const {
+    const Vec3 inverse = geometry::inverse_of(direction);
     triangle = -1;
     return tree_.minimise(
-        std::numeric_limits<double>::infinity(),
-        [&](std::size_t node) { return geometry::ray_box(p, inverse, tree_.box(node)); },
+        most, [&](std::size_t node) { return geometry::ray_box(p, inverse, tree_.box(node)); },
         [&](std::size_t t, double best) {
             const auto &[a, b, c] = data_.triangles[t];
             const double at =

@@ -93,8 +93,8 @@ class Reference {
     /// Over all triangles.
     const geometry::BoxTree &tree() const { return tree_; }
     CurveFoot nearest_on_curve(const Vec3 &p, int curve, bool shifted = false) const;
-    /// First hit of a ray beyond `least`: distance and triangle (-1: none).
-    double ray(const Vec3 &p, const Vec3 &direction, double least, int &triangle) const;
+    /// First hit of a ray between `least` and `most`: distance and triangle (-1: none).
+    double ray(const Vec3 &p, const Vec3 &direction, double least, double most, int &triangle) const;
 
     /// The unit vector along a triangle, square to a direction, away from the edge of it that runs that way.
     Vec3 away(int triangle, const Edge &edge, const Vec3 &along) const;

@@ -254,15 +254,14 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
 void Sizing::grade() {
     const auto &data = reference_.data();
     limit_gradient(surface, data.points, neighbours(data.triangles, data.points.size()), form_.surface_grade);
-    // The few layers of a wall no thicker than this are made at one size: where its middle has longer edges than its
-    // sides, tets there are mostly bad.
-    constexpr double thick = 2.0; // sizes
+    // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
+    // are mostly bad.
     flat_.assign(data.triangles.size(), 0.0);
     std::vector<double> sizes, from;
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         const auto &[a, b, c] = data.triangles[t];
         const double size = std::min({surface[a], surface[b], surface[c]});
-        if (inside_[t] < thick * size)
+        if (inside_[t] < kThick * size)
             flat_[t] = 0.5 * inside_[t];
         sizes.push_back(size);
         from.push_back(size - form_.inner_grade * flat_[t]);

@@ -106,6 +106,7 @@ class Sizing {
     void limit_by_thickness(const Workers &workers);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
+    static constexpr double kThick = 2.0; // sizes: a wall no thicker is thin
     /// What thickness and gaps at a triangle allow, and the thickness of a wall inside there.
     struct Thickness {
         double limit;
@@ -115,7 +116,8 @@ class Sizing {
     /// The thickness of the layer between two planes on a side of a triangle, where one row of tets goes through it;
     /// else infinite. `wanted`: the size that all else allows there.
     double row_at(int triangle, int side, double wanted) const;
-    Thickness thickness_at(int triangle, double wanted) const;
+    /// What is farther than `reach` is not seen.
+    Thickness thickness_at(int triangle, double wanted, double reach) const;
     /// The edge near p at which sides so far apart there meet, none if they do not. It is looked for as far as at
     /// `least` (2 sin of half the angle between the sides) it may be.
     static SharpFoot closing(const SharpEdges &edges, const Vec3 &p, double width, double least);

@@ -19,6 +19,8 @@ constexpr double kFlatLayer = 0.98; // cosine between the planes of a layer: wit
 constexpr double kLayer = 1.4;
 constexpr double kBroad = 12.0; // least area of its planes, in squares of the thickness
 constexpr double kCoarse = 1.2; // least size wanted, in thicknesses, for that: of shorter edges two rows are better
+constexpr double kCone = 0.5235987755982988; // of the rays about the normal: 30 degrees
+constexpr double kRoom = 1.0 + 1e-9;         // beyond what rays are to reach: rounding loses no hit
 
 } // namespace
 
@@ -46,7 +48,7 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
     const Vec3 inward = (side == 0 ? -1.0 : 1.0) * reference_.normal(triangle);
     int hit = -1;
     const double far = reference_.ray((1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]), inward,
-                                      reference_.ray_start(), hit);
+                                      reference_.ray_start(), kRoom * wanted / kCoarse, hit);
     if (hit < 0 || !reference_.planar(data.patch[hit]) || wanted < kCoarse * far ||
         patch_area_[own] < kBroad * far * far)
         return kInfinity;
@@ -57,14 +59,13 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
     return outward > kFlatLayer ? far : kInfinity;
 }
 
-Sizing::Thickness Sizing::thickness_at(int triangle, double wanted) const {
+Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
-    constexpr int kRank = 3;                     // of the hits by distance, that counts: a few may stray
-    constexpr double kFacing = -0.5;             // cosine between normals of triangles that face each other
-    constexpr double kCone = 0.5235987755982988; // 30 degrees
-    constexpr double kTurned = 0.1;              // of the cone about the normal: rays along edges tell little
-    constexpr double kParallel = -0.8;           // cosine between normals of a wall's sides
+    constexpr int kRank = 3;           // of the hits by distance, that counts: a few may stray
+    constexpr double kFacing = -0.5;   // cosine between normals of triangles that face each other
+    constexpr double kTurned = 0.1;    // of the cone about the normal: rays along edges tell little
+    constexpr double kParallel = -0.8; // cosine between normals of a wall's sides
     const auto &data = reference_.data();
     const Vec3 &n = reference_.normal(triangle);
     const auto &[a, b, c] = data.triangles[triangle];
@@ -82,7 +83,7 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted) const {
             const Vec3 inward = (side == 0 ? -1.0 : 1.0) * n;
             const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
             int hit = -1;
-            const double far = reference_.ray(center, d, reference_.ray_start(), hit);
+            const double far = reference_.ray(center, d, reference_.ray_start(), reach, hit);
             const bool opposite =
                 hit >= 0 && dot(reference_.normal(hit), n) < kFacing && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
@@ -110,18 +111,35 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     patch_area_.assign(data.sides.size(), 0.0);
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         patch_area_[data.patch[t]] += reference_.area(static_cast<int>(t));
+    const auto size_at = [&](std::size_t t) {
+        const auto &[a, b, c] = data.triangles[t];
+        return std::max({limit_[a], limit_[b], limit_[c]});
+    };
+    // Rays end where what they hit allows longer edges than are wanted anyway.
+    const double far = kRoom / std::cos(kCone) * std::max({1.0 / form_.thickness, 1.0 / form_.gap, kThick});
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c] = data.triangles[t];
         const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
-        const double size = std::max({limit_[a], limit_[b], limit_[c]});
+        const double size = size_at(t);
         measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
         if (measured[t]) {
-            const Thickness here = thickness_at(static_cast<int>(t), size);
+            const Thickness here = thickness_at(static_cast<int>(t), size, far * size);
             layers[t] = here.layer;
             thin[t] = here.limit;
             if (here.inside < kInfinity && !tapered(center, here.inside))
                 inside_[t] = here.inside;
         }
+    });
+    // Where the mean at a point counts, as some triangle there allows less than is wanted, so do those that allow more.
+    std::vector<char> limited(data.points.size(), 0);
+    for (std::size_t t = 0; t < thin.size(); ++t)
+        for (const int at : data.triangles[t])
+            if (measured[t] && thin[t] < limit_[at])
+                limited[at] = 1;
+    workers.for_each(thin.size(), 64, [&](std::size_t t) {
+        const auto &[a, b, c] = data.triangles[t];
+        if (measured[t] && thin[t] >= size_at(t) && (limited[a] || limited[b] || limited[c]))
+            thin[t] = thickness_at(static_cast<int>(t), size_at(t), kInfinity).limit;
     });
     layer_.assign(data.points.size(), 0.0);
     for (std::size_t t = 0; t < layers.size(); ++t)

@@ -169,7 +169,12 @@ double with_room(double square, double scale);
 /// Distance along the ray p + t d, t > least, to the triangle; infinity if it misses.
 double ray_triangle(const Vec3 &p, const Vec3 &d, double least, const Vec3 &a, const Vec3 &b, const Vec3 &c);
 
-/// Least t >= 0 at which p + t d is in the box, infinity if it never is. `inverse` holds 1/d per axis.
+/// 1/d per axis, for ray_box: infinity of one sign where d is 0.
+inline Vec3 inverse_of(const Vec3 &d) {
+    return {1.0 / (d.x + 0.0), 1.0 / (d.y + 0.0), 1.0 / (d.z + 0.0)}; // -0 + 0 is 0
+}
+
+/// Least t >= 0 at which p + t d is in the box, infinity if it never is. `inverse` as of inverse_of(d).
 double ray_box(const Vec3 &p, const Vec3 &inverse, const Box &box);
 
 } // namespace wct::geometry

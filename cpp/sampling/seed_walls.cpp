@@ -34,8 +34,8 @@ void seed_walls(Cloud &cloud, const domain::Reference &reference, const domain::
         const int triangle = reference.nearest(p, cloud.label[i], cloud.near[i]).triangle;
         const Vec3 way = (side == 0 ? -1.0 : 1.0) * reference.normal(triangle);
         int hit = -1;
-        const double far = reference.ray(p, way, reference.ray_start(), hit);
-        if (hit < 0 || far > kThickest * cell || far < 2.0 * kDeep * cell)
+        const double far = reference.ray(p, way, reference.ray_start(), kThickest * cell, hit);
+        if (hit < 0 || far < 2.0 * kDeep * cell)
             return {};
         const Vec3 middle = p + 0.5 * far * way;
         if (lattice.crowded(middle, kEmpty * cell))

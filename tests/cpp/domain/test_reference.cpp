@@ -95,9 +95,14 @@ TEST_CASE("Reference: sides, heights, normals and rays of a cube of two regions"
             REQUIRE(reference.height(p, foot) > 0.0);
         if (!out) {
             int triangle = -1;
-            const double at = reference.ray(p, {1.0, 0.0, 0.0}, 0.0, triangle);
+            const double at = reference.ray(p, {1.0, 0.0, 0.0}, 0.0, std::numeric_limits<double>::infinity(), triangle);
             REQUIRE(at == doctest::Approx(p.x < 0.5 ? 0.5 - p.x : 1.0 - p.x));
             REQUIRE(std::abs(reference.normal(triangle).x) == doctest::Approx(1.0));
+            const int hit = triangle;
+            REQUIRE(reference.ray(p, {1.0, 0.0, 0.0}, 0.0, 1.001 * at, triangle) == at);
+            REQUIRE(triangle == hit);
+            reference.ray(p, {1.0, 0.0, 0.0}, 0.0, 0.999 * at, triangle);
+            REQUIRE(triangle == -1);
         }
     }
     double area = 0.0;

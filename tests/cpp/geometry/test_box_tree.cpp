@@ -134,7 +134,7 @@ TEST_CASE("A ray meets a triangle where Cramer's rule says, and the boxes round 
         Box box;
         for (const Vec3 &q : t)
             box.add(q);
-        const Vec3 inverse{1.0 / d.x, 1.0 / d.y, 1.0 / d.z};
+        const Vec3 inverse = geometry::inverse_of(d);
         if (!std::isinf(at)) {
             ++hits;
             REQUIRE(static_cast<double>(std::sqrt(square_to(p + at * d, t))) < 1e-8 * (1.0 + norm(at * d)));
@@ -150,6 +150,21 @@ TEST_CASE("A ray meets a triangle where Cramer's rule says, and the boxes round 
         REQUIRE_FALSE((second > 1e-9 && third > 1e-9 && second + third < 1.0 - 1e-9 && along > 1e-9));
     }
     CHECK(hits > 500);
+}
+
+TEST_CASE("A ray along the faces of a box meets it, whichever way and with whatever sign of zero") {
+    Box box;
+    box.add(Vec3{0.0, 0.0, 1.0});
+    box.add(Vec3{1.0, 2.0, 3.0});
+    for (const double zero : {0.0, -0.0})
+        for (const Vec3 &from : {Vec3{0.0, 0.0, 0.0}, Vec3{1.0, 0.0, 0.0}, Vec3{1.0, 2.0, 0.0}, Vec3{0.5, 1.0, 0.0}}) {
+            CHECK(geometry::ray_box(from, geometry::inverse_of({zero, zero, 1.0}), box) == 1.0);
+            CHECK(std::isinf(geometry::ray_box(from, geometry::inverse_of({zero, zero, -1.0}), box)));
+            const Vec3 beyond = from + Vec3{0.0, 0.0, 4.0};
+            CHECK(geometry::ray_box(beyond, geometry::inverse_of({zero, zero, -1.0}), box) == 1.0);
+            const Vec3 beside = from + Vec3{2.0, 0.0, 0.0};
+            CHECK(std::isinf(geometry::ray_box(beside, geometry::inverse_of({zero, zero, 1.0}), box)));
+        }
 }
 
 } // namespace wct::tests

@@ -15,16 +15,16 @@ const std::map<std::string, std::uint64_t> kRecorded = {
     {"the C library", 0x699071e0421c317c},
     {"a cube made anew", 0xd8990332db5f8a11},
     {"two regions made anew", 0x0456eb50b20e4286},
-    {"a ball made anew", 0x97c3d859bc94c375},
+    {"a ball made anew", 0x210a063c2e5d308d},
     {"a cylinder made anew", 0xd2794d0468555934},
     {"a shaken cube", 0x797bca2cd6c8c5f3},
     {"two shaken regions", 0xbfd3e3058a479738},
     {"a shaken cylinder", 0xaac88bfcecf1cd07},
-    {"creases given up", 0xbd5b644c2993e64f},
-    {"a ball, any triangles", 0x4608cdff587f77c0},
+    {"creases given up", 0x97e1ee2cb3f60d23},
+    {"a ball, any triangles", 0xe43a64ae1b1a0268},
     {"a pinned surface", 0xbf1f9831d4ca1a2b},
     {"one face fixed", 0xf05e776d3d7e234b},
-    {"a tighter tolerance on one side", 0x7a204f8735ac8a0c},
+    {"a tighter tolerance on one side", 0xd1b5e3cf0757359e},
 };
 
 } // namespace

@@ -184,7 +184,8 @@ TEST_CASE(
     CHECK(near < 350);
 }
 
-TEST_CASE("SurfaceGuide: where the tolerance is less in places, facets and vertices keep the one of the nearest piece") {
+TEST_CASE(
+    "SurfaceGuide: where the tolerance is less in places, facets and vertices keep the one of the nearest piece") {
     const Body body = ball(5, 0.1, 3);
     std::vector<double> local;
     for (const Vec3 &p : body.points)
