@@ -104,6 +104,8 @@ class Sizing {
     void limit_by_passing_creases();
     /// Not near sharp edges, where thickness goes to nothing.
     void limit_by_thickness(const Workers &workers);
+    /// By the mean of what triangles that were measured allow, larger ones count more.
+    void limit_to_mean(const std::vector<double> &thin, const std::vector<char> &measured);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
     static constexpr double kThick = 2.0; // sizes: a wall no thicker is thin

@@ -102,6 +102,21 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
     return {std::min(thin, reference_.diagonal()), inside, layer};
 }
 
+void Sizing::limit_to_mean(const std::vector<double> &thin, const std::vector<char> &measured) {
+    const auto &data = reference_.data();
+    std::vector<double> sum(data.points.size(), 0.0);
+    std::vector<double> weight(data.points.size(), 0.0);
+    for (std::size_t t = 0; t < thin.size(); ++t)
+        if (measured[t])
+            for (const int at : data.triangles[t]) {
+                sum[at] += reference_.area(static_cast<int>(t)) * thin[t];
+                weight[at] += reference_.area(static_cast<int>(t));
+            }
+    for (std::size_t v = 0; v < sum.size(); ++v)
+        if (weight[v] > 0.0)
+            limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
+}
+
 void Sizing::limit_by_thickness(const Workers &workers) {
     const auto &data = reference_.data();
     std::vector<double> thin(data.triangles.size());
@@ -146,17 +161,7 @@ void Sizing::limit_by_thickness(const Workers &workers) {
         if (layers[t] < kInfinity)
             for (const int at : data.triangles[t])
                 layer_[at] = std::max(layer_[at], layers[t]);
-    std::vector<double> sum(data.points.size(), 0.0);
-    std::vector<double> weight(data.points.size(), 0.0);
-    for (std::size_t t = 0; t < thin.size(); ++t)
-        if (measured[t])
-            for (const int at : data.triangles[t]) {
-                sum[at] += reference_.area(static_cast<int>(t)) * thin[t];
-                weight[at] += reference_.area(static_cast<int>(t));
-            }
-    for (std::size_t v = 0; v < sum.size(); ++v)
-        if (weight[v] > 0.0)
-            limit_[v] = std::min(limit_[v], sum[v] / weight[v]);
+    limit_to_mean(thin, measured);
     // Where a layer's interface ends, the mean is that of the walls beside the layer, which are long.
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         if (!reference_.inner(data.patch[t]) || reference_.sheet(data.patch[t]))

@@ -1,12 +1,12 @@
 """No two tets overlap: decided exactly, also where they touch; what overlaps is never called valid, nor a success."""
 
 import json
-from pathlib import Path
+import re
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
-from support.builders import bcc, kuhn_cube, kuhn_grid, regular_tet, rotation
+from support.builders import bcc, jittered_cube, kuhn_cube, kuhn_grid, regular_tet, rotation
 
 from wct_plugin import Pipeline, apply_filter, read, write
 from wct_plugin.certify.certificate import certify
@@ -16,10 +16,12 @@ from wct_plugin.errors import WctWarning
 from wct_plugin.measure.duals import tiers
 from wct_plugin.mesh import TetMesh
 from wct_plugin.mesh.topology import FACETS
+from wct_plugin.meshing import remesh
+from wct_plugin.meshing.boundary_choice import PatchChoices
+from wct_plugin.meshing.new_mesh_faults import find_fault
+from wct_plugin.meshing.normalized_mesh import NormalizedMesh
+from wct_plugin.meshing.reference import own_boundary
 from wct_plugin.reports.report import make_report
-
-#: Thin, with facets that are far from well-centered: what a generous tolerance made of it went through itself.
-THIN = Path(__file__).parents[1] / "data" / "thin_sheet.vtu"
 
 
 def joined(*meshes):
@@ -112,26 +114,43 @@ def test_tets_that_touch_do_not_overlap(mesh):
     assert make_report(mesh).to_dict()["tiers"]["valid"]
 
 
-def test_a_result_that_overlaps_itself_is_not_taken():
-    mesh = read(str(THIN))
-    assert overlap(mesh) is None
-    with (
-        pytest.warns(WctWarning, match="the body is .* thick near"),
-        pytest.warns(
-            WctWarning, match="the new mesh (overlaps itself near .*|has another topology); the mesh stays as it is"
-        ),
-    ):
-        same, metrics = apply_filter("meshing_well_centered", mesh, goal="3wc", boundary="keep", tolerance=0.1)
+def test_a_new_mesh_that_overlaps_itself_has_a_fault():
+    box = kuhn_cube(2)
+    old, beside = joined(box, moved(box, [2.0, 0.0, 0.0])), joined(box, moved(box, [3.0, 0.0, 0.0]))
+    own = own_boundary(old, 40.0)
+    given = NormalizedMesh(old, own, PatchChoices("move", old, own.strata), unit=1, tangled=False)
+    assert find_fault(given, beside, own, 1e-3, stopped=False) == ""
+    assert find_fault(given, box, own, 1e-3, stopped=False) == "the new mesh has another topology"
+    through = find_fault(given, joined(box, moved(box, [0.7, 0.0, 0.0])), own, 1e-3, stopped=False)
+    x, y, z = map(float, through.removeprefix("the new mesh overlaps itself near (").rstrip(")").split(","))
+    assert 2.0 * 0.6 < x < 2.0 * 1.1  # in the user's unit
+    assert 0.0 < y < 2.0
+    assert 0.0 < z < 2.0
+
+
+@pytest.fixture
+def overlapping(monkeypatch):
+    """Whatever new mesh is made overlaps itself."""
+    fault = "the new mesh overlaps itself near (1, 2, 3)"
+    monkeypatch.setattr(remesh, "find_fault", lambda *_, **__: fault)
+    return f"{fault}; the mesh stays as it is: a smaller tolerance"
+
+
+def test_a_result_that_overlaps_itself_is_not_taken(overlapping):
+    mesh = jittered_cube(3)
+    with pytest.warns(WctWarning, match=re.escape(overlapping)):
+        same, metrics = apply_filter("meshing_well_centered", mesh)
     assert np.array_equal(same.points, mesh.points)
     assert np.array_equal(same.tets, mesh.tets)
-    assert metrics["bad"] == len(mesh.tets)
+    assert metrics["bad"] > 0
 
 
-def test_nor_is_it_a_success_on_the_command_line(tmp_path, capsys):
-    out = str(tmp_path / "out.vtu")
-    assert main.run(["optimize", str(THIN), out, "--goal", "3wc", "--boundary", "keep", "--tolerance", "0.1"]) == 1
-    assert "; the mesh stays as it is: a smaller tolerance" in capsys.readouterr().err
-    assert np.array_equal(read(out).points, read(str(THIN)).points)
+def test_nor_is_it_a_success_on_the_command_line(overlapping, tmp_path, capsys):
+    given, out = str(tmp_path / "in.vtu"), str(tmp_path / "out.vtu")
+    write(given, jittered_cube(3))
+    assert main.run(["optimize", given, out]) == 1
+    assert overlapping in capsys.readouterr().err
+    assert np.array_equal(read(out).points, read(given).points)
 
 
 def test_a_mesh_that_overlaps_itself_is_named_before_the_work_and_meets_no_goal(tmp_path, capsys):
