@@ -26,6 +26,9 @@ struct Vec3 {
     bool operator==(const Vec3 &) const = default;
 };
 
+inline double square(double x) {
+    return x * x;
+}
 inline Vec3 operator+(const Vec3 &a, const Vec3 &b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
 }

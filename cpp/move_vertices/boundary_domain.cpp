@@ -17,10 +17,6 @@ namespace {
 // the other way; and what the places that are looked at stay within, so that what is between them keeps to the former.
 constexpr geometry::NearAlong kShares = {0.87, 0.95};
 
-double square(double x) {
-    return x * x;
-}
-
 /// How far pieces may lie off a plane or line and still be it: rounding of the coordinates, nothing more.
 template <std::size_t corners> double rounding(const std::vector<std::array<Vec3, corners>> &pieces) {
     const Vec3 origin = pieces.front().front();

@@ -46,10 +46,6 @@ constexpr double kWeights[kSamples][3] = {{1. / 3, 1. / 3, 1. / 3},
                                           {0, .5, .5},
                                           {.5, 0, .5}};
 
-double square(double x) {
-    return x * x;
-}
-
 Vec3 blend(const double weights[3], const std::array<Vec3, 3> &c) {
     return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
 }
@@ -62,15 +58,23 @@ void pull_to(const Vec3 &foot, double reach, Vec3 &x) {
         x = foot + (reach / length) * off;
 }
 
-/// The same towards the closest point of a patch or curve, which is only found where x is beyond `reach`.
-template <class Tree> void clamp(const Tree &tree, double reach, Vec3 &x, std::int32_t &hint) {
-    const auto near = tree.downhill(x, reach * reach, hint);
+/// The closest point of a patch or curve; none, and `hint` at a piece so near, where the way downhill comes within
+/// `surely(piece)` of x.
+template <class Tree, class Surely>
+std::optional<Vec3> foot_beyond(const Tree &tree, const Surely &surely, const Vec3 &x, std::int32_t &hint) {
+    const auto near = tree.downhill(x, square(surely(hint)), hint);
     hint = near.piece;
-    if (near.square <= reach * reach)
-        return;
+    if (near.square <= square(surely(hint)))
+        return std::nullopt;
     const auto found = tree.closest(x, hint);
     hint = found.piece;
-    pull_to(found.point, reach, x);
+    return found.point;
+}
+
+/// Draw x towards a curve until it is no farther than `reach` from it.
+void clamp(const geometry::PieceTree<2> &curve, double reach, Vec3 &x, std::int32_t &hint) {
+    if (const auto foot = foot_beyond(curve, [reach](std::int32_t) { return reach; }, x, hint))
+        pull_to(*foot, reach, x);
 }
 
 /// The least tolerance at the corners of these segments or triangles.
@@ -256,17 +260,9 @@ Freedom SurfaceGuide::admit_on(const Patch &patch, Vec3 &x, std::int32_t &hint) 
         x = patch.plane.nearest(x);
         return {Freedom::Kind::plane, patch.plane.normal()};
     }
-    if (patch.local.empty()) {
-        clamp(patch.tree, kShell * tolerance_, x, hint);
-        return {};
-    }
-    const Near near = downhill(patch, x, kShell, hint);
-    hint = near.piece;
-    if (near.surely)
-        return {};
-    const auto found = patch.tree.closest(x, hint);
-    hint = found.piece;
-    pull_to(found.point, kShell * patch.local[found.piece], x);
+    const auto surely = [&](std::int32_t piece) { return kShell * surely_at(patch, piece); };
+    if (const auto foot = foot_beyond(patch.tree, surely, x, hint))
+        pull_to(*foot, kShell * tolerance_at(patch, hint), x);
     return {};
 }
 
@@ -301,12 +297,6 @@ Freedom SurfaceGuide::admit(const Vertex &vertex, Vec3 &x, std::int32_t &hint) c
     return {};
 }
 
-SurfaceGuide::Near SurfaceGuide::downhill(const Patch &patch, const Vec3 &x, double share, std::int32_t hint) {
-    const auto within = [&](std::int32_t piece) { return square(share * patch.surely[piece]); };
-    const auto [piece, distance] = patch.tree.downhill(x, within(hint), hint);
-    return {piece, distance <= within(piece)};
-}
-
 bool SurfaceGuide::sample_near(const Patch &patch, const Vec3 &x, std::int32_t &hint, double &least) const {
     if (patch.local.empty()) {
         const std::int32_t found = patch.tree.within(x, square(kInside * tolerance_), hint);
@@ -314,12 +304,10 @@ bool SurfaceGuide::sample_near(const Patch &patch, const Vec3 &x, std::int32_t &
             hint = found;
         return found >= 0;
     }
-    const Near near = downhill(patch, x, kInside, hint);
-    hint = near.piece;
-    if (!near.surely)
-        hint = patch.tree.closest(x, hint).piece;
+    const auto surely = [&](std::int32_t piece) { return kInside * patch.surely[piece]; };
+    const auto foot = foot_beyond(patch.tree, surely, x, hint);
     least = std::min(least, patch.local[hint]);
-    return near.surely || patch.tree.reaches(hint, x, square(kInside * patch.local[hint]));
+    return !foot || dot(x - *foot, x - *foot) <= square(kInside * patch.local[hint]);
 }
 
 bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned edges, SurfaceHints &hints) const {
@@ -348,19 +336,18 @@ bool SurfaceGuide::near(int patch, const std::array<Vec3, 3> &corners, unsigned 
 SurfaceGuide::Gap SurfaceGuide::gap(int patch, const std::array<Vec3, 3> &corners, SurfaceHints &hints,
                                     double enough) const {
     const Patch &on = patches_[patch];
-    const auto &[tree, local] = std::tie(on.tree, on.local);
     Gap worst;
     for (int k = 0; k < kSamples && worst.distance <= enough; ++k) {
         const auto &weights = kWeights[k];
         const Vec3 x = blend(weights, corners);
         const double within =
-            local.empty() ? worst.distance : std::min(worst.distance * on.surely[hints[k]] / tolerance_, tolerance_);
-        if (within > 0.0 && tree.reaches(hints[k], x, square(within)))
+            on.local.empty() ? worst.distance : std::min(worst.distance * on.surely[hints[k]] / tolerance_, tolerance_);
+        if (within > 0.0 && on.tree.reaches(hints[k], x, square(within)))
             continue; // no farther than another is
-        const auto found = tree.closest(x, hints[k]);
+        const auto found = on.tree.closest(x, hints[k]);
         hints[k] = found.piece;
         const Vec3 to = found.point - x;
-        const double strict = local.empty() ? 1.0 : tolerance_ / local[found.piece];
+        const double strict = tolerance_ / tolerance_at(on, found.piece);
         if (strict * norm(to) > worst.distance)
             worst = {strict * norm(to), {weights[0], weights[1], weights[2]}, to, strict};
     }

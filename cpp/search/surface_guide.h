@@ -144,13 +144,12 @@ class SurfaceGuide {
     /// Put x where a vertex of the patch or curve may be; returns how it may go on from there.
     Freedom admit_on(const Patch &patch, Vec3 &x, std::int32_t &hint) const;
     Freedom admit_on(const Curve &curve, Vec3 &x, std::int32_t &hint) const;
-    /// The way downhill from the piece `hint`: where it ends, and whether that is surely within this share of the
-    /// tolerance.
-    struct Near {
-        std::int32_t piece;
-        bool surely;
-    };
-    static Near downhill(const Patch &patch, const Vec3 &x, double share, std::int32_t hint);
+    double tolerance_at(const Patch &patch, std::int32_t piece) const {
+        return patch.local.empty() ? tolerance_ : patch.local[piece];
+    }
+    double surely_at(const Patch &patch, std::int32_t piece) const {
+        return patch.surely.empty() ? tolerance_ : patch.surely[piece];
+    }
     /// Whether a sample of a facet is near the patch. `least` comes down to the tolerance of the piece it is near.
     bool sample_near(const Patch &patch, const Vec3 &x, std::int32_t &hint, double &least) const;
     void make_patches(const Surface &surface);

@@ -64,9 +64,9 @@ _ANOTHER = 0.018
 _MOVED = 10.0
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
 _PARTIAL_RESTARTS = 3
-#: What a mesh without bad tets is worth, in evaluations per tet, where the surface or
-#: its vertices stay and nobody knows whether there is one, more where flips of the surface can help too; and where
-#: another start, with shorter edges, takes less: most that come right have come so by then.
+#: What a mesh without bad tets is worth, in evaluations per tet, where the surface or its vertices stay and nobody
+#: knows whether there is one, more where flips of the surface can help too; and where another start, with shorter
+#: edges, takes less: most that come right have come so by then.
 _WORTH = {"fixed": 12_000.0, "keep": 30_000.0, "move": 5_000.0}
 
 
