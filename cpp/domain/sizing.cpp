@@ -39,11 +39,13 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     workers.for_each(points.size(), 512, [&](std::size_t v) { limit_[v] = form.coarsen * input_size(points[v]); });
     limit_by_wires();
     limit_by_places(); // not of the surface's own sizes, which grow slower with the distance and over large triangles
+    limit_by_curvature();
     limit_by_thickness(workers);
     surface = limit_;
     for (std::size_t v = 0; v < form.most.size(); ++v)
         surface[v] = std::min(surface[v], form.most[v]);
-    limit_by_curvature();
+    for (std::size_t v = 0; v < surface.size(); ++v)
+        surface[v] = std::min(surface[v], curved_[v]);
     limit_by_bends();
     limit_by_creases();
     limit_by_passing_creases();
@@ -153,9 +155,10 @@ double Sizing::sag() const {
 
 void Sizing::limit_by_curvature() {
     const double allowed = sag();
+    curved_.assign(reference_.data().points.size(), kInfinity);
     const auto lower = [&](int vertex, double sag) {
         if (sag > 0.0)
-            surface[vertex] = std::min(surface[vertex], std::sqrt(allowed * form_.tolerance_at(vertex) / sag));
+            curved_[vertex] = std::min(curved_[vertex], std::sqrt(allowed * form_.tolerance_at(vertex) / sag));
     };
     for (int w = 0; w < reference_.wedges(); ++w)
         lower(reference_.wedge_vertex(w), unit_sag(reference_.curvature(w)[0], reference_.curvature(w)[1]));

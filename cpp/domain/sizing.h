@@ -115,8 +115,8 @@ class Sizing {
         double inside;
         double layer; // of a layer through which one row of tets goes, infinite where there is none
     };
-    /// The thickness of the layer between two planes on a side of a triangle, where one row of tets goes through it;
-    /// else infinite. `wanted`: the size that all else allows there.
+    /// The thickness of the layer between two parallel patches on a side of a triangle, where one row of tets goes
+    /// through it; else infinite. `wanted`: the size that all but curvature allows there.
     double row_at(int triangle, int side, double wanted) const;
     /// What is farther than `reach` is not seen.
     Thickness thickness_at(int triangle, double wanted, double reach) const;
@@ -139,6 +139,7 @@ class Sizing {
     bool uniform_ = false;
     std::vector<double> limit_;
     std::vector<double> patch_area_;
+    std::vector<double> curved_; // what curvature allows per point of the surface, infinite where it is flat
     std::vector<double> layer_;  // thickness of a layer with one row of tets per point, 0 where there is none
     std::vector<double> inside_; // thickness of walls per triangle, infinite where none is
     std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow

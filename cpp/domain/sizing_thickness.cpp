@@ -13,11 +13,11 @@ namespace wct::domain {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFlatLayer = 0.98; // cosine between the planes of a layer: within 11 degrees
-/// Size per thickness of a layer between two planes where longer edges are wanted. One row of tets goes through it, as
-/// in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
+constexpr double kParallelLayer = 0.98; // cosine between the sides of a layer: within 11 degrees
+/// Size per thickness of a layer whose sides are parallel where longer edges are wanted. One row of tets goes through
+/// it, as in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
 constexpr double kLayer = 1.4;
-constexpr double kBroad = 12.0; // least area of its planes, in squares of the thickness
+constexpr double kBroad = 12.0; // least area of its sides, in squares of the thickness
 constexpr double kCoarse = 1.2; // least size wanted, in thicknesses, for that: of shorter edges two rows are better
 constexpr double kCone = 0.5235987755982988; // of the rays about the normal: 30 degrees
 constexpr double kRoom = 1.0 + 1e-9;         // beyond what rays are to reach: rounding loses no hit
@@ -42,21 +42,24 @@ bool Sizing::tapered(const Vec3 &p, double thickness) const {
 double Sizing::row_at(int triangle, int side, double wanted) const {
     const auto &data = reference_.data();
     const int own = data.patch[triangle], between = data.sides[own][side];
-    if (between < 0 || !reference_.planar(own))
+    if (between < 0)
         return kInfinity;
     const auto &[a, b, c] = data.triangles[triangle];
+    const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 inward = (side == 0 ? -1.0 : 1.0) * reference_.normal(triangle);
+    const double allowed = reference_.planar(own) ? wanted : std::min({wanted, curved_[a], curved_[b], curved_[c]});
     int hit = -1;
-    const double far = reference_.ray((1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]), inward,
-                                      reference_.ray_start(), kRoom * wanted / kCoarse, hit);
-    if (hit < 0 || !reference_.planar(data.patch[hit]) || wanted < kCoarse * far ||
-        patch_area_[own] < kBroad * far * far)
+    const double far = reference_.ray(center, inward, reference_.ray_start(), kRoom * allowed / kCoarse, hit);
+    if (hit < 0 || allowed < kCoarse * far || patch_area_[own] < kBroad * far * far)
         return kInfinity;
-    // The normals of interfaces and sheets run either way: what counts is which side the layer is on.
+    // Facets of curved sides lie across each other, so smooth normals are compared. Those of interfaces and sheets run
+    // either way: what counts is which side the layer is on.
+    const Vec3 here = reference_.smooth_normal(reference_.nearest(center, own, triangle));
+    const Vec3 there = reference_.smooth_normal(reference_.nearest(center + far * inward, data.patch[hit], hit));
     const auto &[behind, before] = data.sides[data.patch[hit]];
-    const double along = dot(reference_.normal(hit), inward);
+    const double along = (side == 0 ? -1.0 : 1.0) * dot(here, there);
     const double outward = behind == before ? std::fabs(along) : behind == between ? along : -along;
-    return outward > kFlatLayer ? far : kInfinity;
+    return outward > kParallelLayer ? far : kInfinity;
 }
 
 Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach) const {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace wct::tests {
@@ -50,6 +51,22 @@ Body passing_cubes(double apart) {
     });
 }
 
+/// A plate of this thickness, bent round the z axis by half a turn, whose middle has radius 1 and which is 1 high.
+Body bent_plate(double thickness) {
+    const Body flat = cube(12, 0.0, 1);
+    std::vector<Vec3> points;
+    for (const Vec3 &p : flat.points) {
+        const double radius = 1.0 + thickness * (p.y - 0.5), turn = std::numbers::pi * p.x;
+        points.push_back({-radius * std::cos(turn), radius * std::sin(turn), p.z});
+    }
+    return stratified(points, flat.tets, flat.regions, [](const Vec3 &middle, const Vec3 &normal) {
+        if (std::fabs(normal.z) > 0.9)
+            return normal.z > 0.0 ? 0 : 1;
+        const double out = normal.x * middle.x + normal.y * middle.y;
+        return std::fabs(out) > 0.5 ? (out > 0.0 ? 2 : 3) : middle.x > 0.0 ? 4 : 5;
+    });
+}
+
 } // namespace
 
 TEST_CASE("Sizing: edges are short where creases pass each other, and there alone") {
@@ -69,6 +86,21 @@ TEST_CASE("Sizing: edges are short where creases pass each other, and there alon
     CHECK(Sized(passing_cubes(1.0), form).sizing.at(place) == doctest::Approx(usual).epsilon(0.05));
     form.tolerance = 0.02; // what is less than some tolerances apart is not told apart
     CHECK(Sized(passing_cubes(0.02), form).sizing.at(place) == doctest::Approx(8.0 * 0.02).epsilon(1e-6));
+}
+
+TEST_CASE("Sizing: through a bent plate goes one row of tets, but where curvature asks for edges as short as two") {
+    constexpr double thickness = 0.06, row = 1.4, two_rows = 0.8;
+    const Vec3 inner{0.0, 1.0 - 0.5 * thickness, 0.5}, outer{0.0, 1.0 + 0.5 * thickness, 0.5};
+    domain::SizingForm form;
+    form.tolerance = 6e-3;
+    const std::vector<double> wanted(13 * 13 * 13, 0.4);
+    const Sized one(bent_plate(thickness), form, wanted);
+    for (const Vec3 &p : {inner, outer})
+        CHECK(one.sizing.at(p) == doctest::Approx(row * thickness).epsilon(0.02));
+    form.tolerance = 3e-4; // facets may be as long as .06
+    const Sized finer(bent_plate(thickness), form, wanted);
+    for (const Vec3 &p : {inner, outer})
+        CHECK(finer.sizing.at(p) == doctest::Approx(two_rows * thickness).epsilon(0.02));
 }
 
 TEST_CASE("Sizing: grows no faster than its grades, and stays between its least and its largest") {
