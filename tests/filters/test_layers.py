@@ -25,7 +25,7 @@ def test_a_plate_takes_a_row_of_tets(tmp_path):
     assert metrics["planes"]["planes"] == 6
 
 
-@pytest.mark.parametrize("radius, thickness, unit", [(0.5, 0.05, 1.0), (0.3, 0.018, 1e-6)])
+@pytest.mark.parametrize(("radius", "thickness", "unit"), [(0.5, 0.05, 1.0), (0.3, 0.018, 1e-6)])
 def test_a_shell_takes_a_row_of_tets(tmp_path, radius, thickness, unit):
     """As a plate does; it took six times as many tets, as two rows with edges of .8 of the thickness."""
 
