@@ -81,8 +81,8 @@ class Sizing {
     std::vector<double> surface;
     void grade();
 
-    /// Whether a vertex of the surface is at a layer through which one row of tets goes.
-    bool at_layer(int vertex) const { return layer_[vertex] > 0.0; }
+    /// How thick the layer is through which one row of tets goes at a vertex of the surface, 0 where there is none.
+    double layer(int vertex) const { return layer_[vertex]; }
 
   private:
     void make_input_sizes(std::span<const double> wanted);

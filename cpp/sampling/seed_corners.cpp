@@ -154,7 +154,7 @@ void seed_corners(Cloud &cloud, const domain::Reference &reference, const domain
         if (cloud.role[corner] != Stratum::corner || std::binary_search(divided.begin(), divided.end(), corner))
             continue;
         // At the ends of longer creases there is room for points to find their places.
-        const std::vector<Octant> octants = sizing.at_layer(cloud.label[corner])
+        const std::vector<Octant> octants = sizing.layer(cloud.label[corner]) > 0.0
                                                 ? octants_at(cloud, reference, map, corner, around)
                                                 : std::vector<Octant>{};
         even_square(cloud, reference, corner, octants);

@@ -83,9 +83,68 @@ std::vector<double> parts_of(const domain::Curve &curve, const CurveSteps &measu
     return ends;
 }
 
+/// Finds the creases along layers whose points are to be half a step off those of the crease on the layer's other side.
+///
+/// Facets on the rim of a layer of one row go from one of its creases to the other, and are acute only where points of
+/// one lie opposite the middles between points of the other. Where an interface is on one side, the search can mend
+/// that only together with the tets beyond; plates by themselves come right as they are. Short creases have no room.
+class ShiftedCreases {
+  public:
+    ShiftedCreases(const domain::Reference &reference, const domain::Sizing &sizing)
+        : reference_(reference), sizing_(sizing) {
+        const int count = static_cast<int>(reference.curves().size());
+        std::vector<double> thick(count, 0.0); // of the layer along a crease, 0 where it has none
+        for (int c = 0; c < count; ++c)
+            thick[c] = layer_along(c);
+        shifted_.assign(count, 0);
+        for (int c = 0; c < count; ++c)
+            for (int d = 0; d < c && thick[c] > 0.0; ++d)
+                if (thick[d] > 0.0 && !shifted_[d] && are_opposite(c, d, thick[c]))
+                    shifted_[c] = 1;
+    }
+
+    bool operator[](int curve) const { return shifted_[curve] != 0; }
+
+  private:
+    static constexpr double kLong = 12.0;    // least length, in thicknesses
+    static constexpr double kOpposite = 1.3; // how far off the other crease may be, in thicknesses
+
+    double layer_along(int c) const {
+        const domain::Curve &curve = reference_.curves()[c];
+        if (curve.closed || curve.vertices.size() < 2)
+            return 0.0;
+        double length = 0.0;
+        for (int k = 0; k < curve.steps(); ++k)
+            length += norm(point(curve.at(k + 1)) - point(curve.at(k)));
+        const double layer = std::max(sizing_.layer(curve.vertices.front()), sizing_.layer(curve.vertices.back()));
+        return length > kLong * layer ? layer : 0.0;
+    }
+
+    bool are_opposite(int c, int d, double thick) const {
+        const domain::Curve &curve = reference_.curves()[c];
+        const int step = curve.steps() / 2;
+        const Vec3 middle =
+            curve.steps() % 2 == 0 ? point(curve.at(step)) : 0.5 * (point(curve.at(step)) + point(curve.at(step + 1)));
+        return (on_interface(c) || on_interface(d)) && reference_.share_patch(c, d) &&
+               reference_.nearest_on_curve(middle, d).distance < kOpposite * thick;
+    }
+
+    bool on_interface(int c) const {
+        const auto &patches = reference_.patches_at_curve(c);
+        return std::any_of(patches.begin(), patches.end(), [&](int patch) { return reference_.inner(patch); });
+    }
+
+    const Vec3 &point(int vertex) const { return reference_.data().points[vertex]; }
+
+    const domain::Reference &reference_;
+    const domain::Sizing &sizing_;
+    std::vector<char> shifted_; // per curve
+};
+
 } // namespace
 
 void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain::Sizing &sizing) {
+    const ShiftedCreases shifted(reference, sizing);
     for (int c = 0; c < static_cast<int>(reference.curves().size()); ++c) {
         const domain::Curve &curve = reference.curves()[c];
         if (curve.vertices.size() < 2)
@@ -97,8 +156,9 @@ void seed_curves(Cloud &cloud, const domain::Reference &reference, const domain:
             const int least = ends.size() == 2 ? curve.least_edges() : 1;
             const int count = std::max(least, static_cast<int>(std::lround(length)));
             const bool at_end = i == 0 && !curve.closed; // where there is a corner of the surface
-            for (int k = at_end ? 1 : 0; k < count; ++k) {
-                const Vec3 p = measured.at(std::fmod(ends[i] + length * k / count, measured.total));
+            const double off = shifted[c] && ends.size() == 2 ? 0.5 : 0.0;
+            for (int k = at_end && off == 0.0 ? 1 : 0; k < count; ++k) {
+                const Vec3 p = measured.at(std::fmod(ends[i] + length * (k + off) / count, measured.total));
                 cloud.add(p, Stratum::crease, c, sizing.at(p));
                 if (k == 0 && ends.size() > 2)
                     cloud.held.back() = Hold::descent;

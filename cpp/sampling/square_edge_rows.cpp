@@ -130,7 +130,7 @@ class SquareRows {
     /// Whether the crease ends at a layer, whose corners have points of their own.
     bool at_layer(int curve) const {
         const auto &vertices = reference_.curves()[curve].vertices;
-        return sizing_.at_layer(vertices.front()) || sizing_.at_layer(vertices.back());
+        return sizing_.layer(vertices.front()) > 0.0 || sizing_.layer(vertices.back()) > 0.0;
     }
 
     Step step_between(int curve, int a, int b) const {
