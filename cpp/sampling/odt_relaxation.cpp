@@ -26,13 +26,9 @@ struct Mean {
     }
 };
 
-/// Per point where its neighbourhood wants it: the tets round it, and the facets; and whether any of these tets has a
-/// corner inside.
+/// Per point where its neighbourhood wants it: of interior points by the tets round it, of others by the facets.
 struct Wishes {
     std::vector<Mean> inner, outer;
-    std::vector<char> has_inside;
-
-    explicit Wishes(std::size_t count) : inner(count), outer(count), has_inside(count, 0) {}
 };
 
 /// The circumcenter of a tet, drawn in to the centroid where it is far outside: there it says little.
@@ -85,7 +81,7 @@ Part::OfFacet wish_of_facet(const Cloud &cloud, const Facet &f) {
 
 Wishes wishes_of(const Cloud &cloud, const RestrictedDelaunay &complex, const Workers &workers) {
     constexpr std::size_t chunk = 2048;
-    Wishes out(cloud.count());
+    Wishes out{std::vector<Mean>(cloud.count()), std::vector<Mean>(cloud.count())};
     workers.in_order<Part>(
         complex.all.tets.size(), chunk,
         [&](std::size_t begin, std::size_t end, Part &part) {
@@ -100,18 +96,10 @@ Wishes wishes_of(const Cloud &cloud, const RestrictedDelaunay &complex, const Wo
             }
         },
         [&](std::size_t begin, std::size_t end, const Part &part) {
-            for (std::size_t t = begin; t < end; ++t) {
-                const auto &[center, weight] = part.tets[t - begin];
-                if (weight < 0.0)
-                    continue;
-                const Tet &tet = complex.all.tets[t];
-                const bool inside =
-                    std::any_of(tet.begin(), tet.end(), [&](int v) { return cloud.role[v] == Stratum::interior; });
-                for (const int k : tet) {
-                    out.inner[k].add(center, weight);
-                    out.has_inside[k] |= static_cast<char>(inside);
-                }
-            }
+            for (std::size_t t = begin; t < end; ++t)
+                if (const auto &[center, weight] = part.tets[t - begin]; !(weight < 0.0))
+                    for (const int k : complex.all.tets[t])
+                        out.inner[k].add(center, weight);
             for (const auto &[corners, center, weight] : part.facets)
                 for (const int k : corners)
                     out.outer[k].add(center, weight);
@@ -140,11 +128,7 @@ double relax(Cloud &cloud, const domain::Reference &reference, const RestrictedD
     const Wishes wishes = wishes_of(cloud, complex, workers);
     const std::vector<Vec3> before = points;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        // The sides of a curved wall that one row of tets fills come to lie half a step off each other, as in a tiling;
-        // by their facets alone each would be even by itself. Plane ones are ruled by what is at their rims.
-        const bool in_shell =
-            cloud.role[i] == Stratum::patch && !reference.planar(cloud.label[i]) && wishes.has_inside[i] == 0;
-        const Mean &mean = cloud.role[i] == Stratum::interior || in_shell ? wishes.inner[i] : wishes.outer[i];
+        const Mean &mean = cloud.role[i] == Stratum::interior ? wishes.inner[i] : wishes.outer[i];
         const bool free =
             cloud.held[i] == Hold::none && (cloud.role[i] == Stratum::interior || cloud.role[i] == Stratum::patch);
         if (free && mean.weight > 0.0)
