@@ -77,6 +77,11 @@ class Reference {
     bool has_inner() const;
     /// Whether the patch lies inside a region.
     bool sheet(int patch) const { return inner(patch) && data_.sides[patch][0] == data_.sides[patch][1]; }
+    /// Whether any of these patches is an interface or a sheet inside.
+    bool any_inner(const std::vector<int> &patches) const {
+        return std::any_of(patches.begin(), patches.end(), [&](int patch) { return inner(patch); });
+    }
+    double length(int curve) const; // of its own polygon
     /// Whether no curved patch is beside the curve, as round a flat contact or sheet, and along a wire: its own corners
     /// are all there is to tell its course.
     bool bare(int curve) const {

@@ -144,6 +144,14 @@ void Reference::rebuild_curves() {
     }
 }
 
+double Reference::length(int curve) const {
+    const Curve &on = curves_[curve];
+    double sum = 0.0;
+    for (int k = 0; k < on.steps(); ++k)
+        sum += norm(data_.points[on.at(k + 1)] - data_.points[on.at(k)]);
+    return sum;
+}
+
 CurveFoot Reference::nearest_on_curve(const Vec3 &p, int which, bool shifted) const {
     const Curve &curve = curves_[which];
     const int count = static_cast<int>(curve.vertices.size());

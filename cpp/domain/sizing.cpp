@@ -207,11 +207,9 @@ void Sizing::limit_by_bends() {
 }
 
 void Sizing::limit_by_creases() {
-    const auto &points = reference_.data().points;
-    for (const Curve &curve : reference_.curves()) {
-        double length = 0.0;
-        for (int k = 0; k < curve.steps(); ++k)
-            length += norm(points[curve.at(k + 1)] - points[curve.at(k)]);
+    for (int c = 0; c < static_cast<int>(reference_.curves().size()); ++c) {
+        const Curve &curve = reference_.curves()[c];
+        const double length = reference_.length(c);
         for (const int v : curve.vertices) {
             const bool across = !curve.closed && length < kAcross * layer_[v];
             const double most = across ? kHalf * length : length / curve.least_edges();

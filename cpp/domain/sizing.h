@@ -5,6 +5,7 @@
 #include "domain/region_map.h"
 #include "domain/sharp_edges.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -83,6 +84,10 @@ class Sizing {
 
     /// How thick the layer is through which one row of tets goes at a vertex of the surface, 0 where there is none.
     double layer(int vertex) const { return layer_[vertex]; }
+    /// The thicker one of those at the ends of a curve.
+    double layer(const Curve &curve) const {
+        return std::max(layer_[curve.vertices.front()], layer_[curve.vertices.back()]);
+    }
 
   private:
     void make_input_sizes(std::span<const double> wanted);

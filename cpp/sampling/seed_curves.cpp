@@ -113,11 +113,8 @@ class ShiftedCreases {
         const domain::Curve &curve = reference_.curves()[c];
         if (curve.closed || curve.vertices.size() < 2)
             return 0.0;
-        double length = 0.0;
-        for (int k = 0; k < curve.steps(); ++k)
-            length += norm(point(curve.at(k + 1)) - point(curve.at(k)));
-        const double layer = std::max(sizing_.layer(curve.vertices.front()), sizing_.layer(curve.vertices.back()));
-        return length > kLong * layer ? layer : 0.0;
+        const double layer = sizing_.layer(curve);
+        return reference_.length(c) > kLong * layer ? layer : 0.0;
     }
 
     bool are_opposite(int c, int d, double thick) const {
@@ -129,10 +126,7 @@ class ShiftedCreases {
                reference_.nearest_on_curve(middle, d).distance < kOpposite * thick;
     }
 
-    bool on_interface(int c) const {
-        const auto &patches = reference_.patches_at_curve(c);
-        return std::any_of(patches.begin(), patches.end(), [&](int patch) { return reference_.inner(patch); });
-    }
+    bool on_interface(int c) const { return reference_.any_inner(reference_.patches_at_curve(c)); }
 
     const Vec3 &point(int vertex) const { return reference_.data().points[vertex]; }
 

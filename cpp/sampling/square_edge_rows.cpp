@@ -118,20 +118,14 @@ class SquareRows {
 
     /// Whether an interface has the crease, or one end of it. Creases that were given up have no vertices.
     bool meets_interface(int curve) const {
-        const auto any_inner = [&](const std::vector<int> &patches) {
-            return std::any_of(patches.begin(), patches.end(), [&](int patch) { return reference_.inner(patch); });
-        };
         const auto &vertices = reference_.curves()[curve].vertices;
-        return !vertices.empty() && (any_inner(reference_.patches_at_curve(curve)) ||
-                                     any_inner(reference_.patches_at_vertex(vertices.front())) ||
-                                     any_inner(reference_.patches_at_vertex(vertices.back())));
+        return !vertices.empty() && (reference_.any_inner(reference_.patches_at_curve(curve)) ||
+                                     reference_.any_inner(reference_.patches_at_vertex(vertices.front())) ||
+                                     reference_.any_inner(reference_.patches_at_vertex(vertices.back())));
     }
 
     /// Whether the crease ends at a layer, whose corners have points of their own.
-    bool at_layer(int curve) const {
-        const auto &vertices = reference_.curves()[curve].vertices;
-        return sizing_.layer(vertices.front()) > 0.0 || sizing_.layer(vertices.back()) > 0.0;
-    }
+    bool at_layer(int curve) const { return sizing_.layer(reference_.curves()[curve]) > 0.0; }
 
     Step step_between(int curve, int a, int b) const {
         const Vec3 way = cloud_.points[b] - cloud_.points[a];
