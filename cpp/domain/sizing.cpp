@@ -32,7 +32,8 @@ double unit_sag(double k1, double k2) {
 
 Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
                std::span<const double> wanted, const Workers &workers)
-    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true) {
+    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true),
+      parted_(reference.has_inner()) {
     make_input_sizes(wanted);
     const auto &points = reference.data().points;
     limit_.resize(points.size());
@@ -252,24 +253,35 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
     return foot.edge >= 0 && foot.distance < clearance(foot) && sharp_.takes_in(foot, p) ? foot : SharpFoot{};
 }
 
+double Sizing::growth(int triangle) const {
+    const auto &data = reference_.data();
+    const auto &[a, b, c] = data.triangles[triangle];
+    if (!parted_ || std::max({layer_[a], layer_[b], layer_[c]}) > 0.0)
+        return SizingForm::inner_grade;
+    return reference_.inner(data.patch[triangle]) ? SizingForm::interface_grade : SizingForm::parted_grade;
+}
+
 void Sizing::grade() {
     const auto &data = reference_.data();
     limit_gradient(surface, data.points, neighbours(data.triangles, data.points.size()), form_.surface_grade);
     // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
     // are mostly bad.
     flat_.assign(data.triangles.size(), 0.0);
+    growth_.clear();
     std::vector<double> sizes, from;
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         const auto &[a, b, c] = data.triangles[t];
         const double size = std::min({surface[a], surface[b], surface[c]});
         if (inside_[t] < kThick * size)
             flat_[t] = 0.5 * inside_[t];
+        growth_.push_back(growth(static_cast<int>(t)));
         sizes.push_back(size);
-        from.push_back(size - form_.inner_grade * flat_[t]);
+        from.push_back(size - growth_[t] * flat_[t]);
         smallest_ = std::min(smallest_, size);
     }
     least_ = reference_.tree().smallest(sizes);
     least_from_ = reference_.tree().smallest(from);
+    least_growth_ = reference_.tree().smallest(growth_);
 }
 
 double SizingForm::least_at(int patch, const Reference &reference) const {
@@ -305,13 +317,12 @@ double Sizing::at(const Vec3 &p) const {
 double Sizing::at(const Vec3 &p, int &triangle) const {
     const auto &data = reference_.data();
     const geometry::BoxTree &tree = reference_.tree();
-    const double grade = form_.inner_grade;
     const auto from = [&](std::size_t item) {
         const auto &[a, b, c] = data.triangles[item];
         const geometry::TrianglePoint q =
             geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
         return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
-               grade * std::max(0.0, std::sqrt(q.square) - flat_[item]);
+               growth_[item] * std::max(0.0, std::sqrt(q.square) - flat_[item]);
     };
     double most = form_.coarsen * input_size(p);
     if (triangle >= 0)
@@ -319,7 +330,8 @@ double Sizing::at(const Vec3 &p, int &triangle) const {
     return tree.minimise(
         most,
         [&](std::size_t node) {
-            return std::max(least_[node], least_from_[node] + grade * std::sqrt(tree.box(node).square(p)));
+            return std::max(least_[node],
+                            least_from_[node] + least_growth_[node] * std::sqrt(tree.box(node).square(p)));
         },
         [&](std::size_t item, double best) {
             const double size = from(item);

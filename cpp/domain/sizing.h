@@ -42,6 +42,11 @@ struct SizingForm {
     static constexpr double narrowest = 8.0;
     static constexpr double surface_grade = 0.15; // growth of the size per distance, along the surface
     static constexpr double inner_grade = 0.3;    // and inside
+    /// The same where there are interfaces or sheets, from them and from other walls, but for walls of layers of one
+    /// row. An interface must suit the tets on both sides: where it bends, the next points on its hollow side are fewer
+    /// already, and with edges that grow by .3 as well tets there are too tall for their facets.
+    static constexpr double interface_grade = 0.2;
+    static constexpr double parted_grade = 0.25;
 };
 
 /// Ratio of the boundary's edge length to the cell of the BCC lattice that goes with it.
@@ -113,6 +118,8 @@ class Sizing {
     void limit_to_mean(const std::vector<double> &thin, const std::vector<char> &measured);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
+    /// By how much sizes grow per distance from a triangle.
+    double growth(int triangle) const;
     static constexpr double kThick = 2.0; // sizes: a wall no thicker is thin
     /// What thickness and gaps at a triangle allow, and the thickness of a wall inside there.
     struct Thickness {
@@ -142,14 +149,17 @@ class Sizing {
     std::vector<double> input_; // per input point
     double volume_ = 0.0;       // of the input
     bool uniform_ = false;
+    bool parted_; // whether there are interfaces or sheets
     std::vector<double> limit_;
     std::vector<double> patch_area_;
     std::vector<double> curved_; // what curvature allows per point of the surface, infinite where it is flat
     std::vector<double> layer_;  // thickness of a layer with one row of tets per point, 0 where there is none
     std::vector<double> inside_; // thickness of walls per triangle, infinite where none is
     std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow
-    // Per node of the reference's tree: of sizes, and of those that would grow from the surface on to the same.
-    std::vector<double> least_, least_from_;
+    std::vector<double> growth_; // per triangle: of sizes per distance from there on
+    // Least per node of the reference's tree: of sizes, of those that would grow from the surface on to the same, and
+    // of growths.
+    std::vector<double> least_, least_from_, least_growth_;
     double smallest_ = 0.0;
     double largest_ = 0.0;
 };

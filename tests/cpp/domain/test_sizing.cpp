@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -117,6 +118,28 @@ TEST_CASE("Sizing: grows no faster than its grades, and stays between its least 
         CHECK(a >= one.sizing.smallest() * (1.0 - 1e-12));
         CHECK(a <= one.sizing.largest() * (1.0 + 1e-12));
     }
+}
+
+TEST_CASE(
+    "Sizing: grows slower from an interface than from a wall of a domain without, and from other walls a little") {
+    constexpr double small = 0.05, large = 0.6;
+    const auto with_small_at = [&](double x, double split) {
+        Body body = cube(8, 0.0, 1, split);
+        domain::SizingForm form;
+        form.tolerance = 0.01;
+        for (const Vec3 &p : body.points)
+            form.most.push_back(p.x == x ? small : large);
+        const std::vector<double> wanted(body.points.size(), large);
+        return std::make_unique<Sized>(std::move(body), form, wanted);
+    };
+    constexpr double deep = 0.2;
+    const auto at = [](const std::unique_ptr<Sized> &one, double x) { return one->sizing.at({x, 0.5, 0.5}); };
+    const auto one = with_small_at(1.0, 2.0), parts = with_small_at(0.5, 0.5), beside = with_small_at(1.0, 0.5);
+    const domain::SizingForm form;
+    CHECK(at(one, 1.0 - deep) == doctest::Approx(small + form.inner_grade * deep));
+    CHECK(at(parts, 0.5 + deep) == doctest::Approx(small + form.interface_grade * deep));
+    CHECK(at(parts, 0.5 - deep) == doctest::Approx(small + form.interface_grade * deep));
+    CHECK(at(beside, 1.0 - deep) == doctest::Approx(small + form.parted_grade * deep));
 }
 
 TEST_CASE("Sizing: a place that asks for short edges gets them, and its surroundings follow") {
