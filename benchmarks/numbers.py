@@ -111,7 +111,6 @@ def _build() -> tuple[Path, list[Number]]:
         "pip",
         "install",
         "-q",
-        "--no-build-isolation",
         "--no-deps",
         "--target",
         site,

@@ -254,11 +254,9 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
 }
 
 double Sizing::growth(int triangle) const {
-    const auto &data = reference_.data();
-    const auto &[a, b, c] = data.triangles[triangle];
-    if (!parted_ || std::max({layer_[a], layer_[b], layer_[c]}) > 0.0)
-        return SizingForm::inner_grade;
-    return reference_.inner(data.patch[triangle]) ? SizingForm::interface_grade : SizingForm::parted_grade;
+    const auto &[a, b, c] = reference_.data().triangles[triangle];
+    const bool layer = std::max({layer_[a], layer_[b], layer_[c]}) > 0.0;
+    return parted_ && !layer ? SizingForm::parted_grade : SizingForm::inner_grade;
 }
 
 void Sizing::grade() {

@@ -42,10 +42,9 @@ struct SizingForm {
     static constexpr double narrowest = 8.0;
     static constexpr double surface_grade = 0.15; // growth of the size per distance, along the surface
     static constexpr double inner_grade = 0.3;    // and inside
-    /// The same where there are interfaces or sheets, from them and from other walls, but for walls of layers of one
-    /// row. An interface must suit the tets on both sides: where it bends, the next points on its hollow side are fewer
-    /// already, and with edges that grow by .3 as well tets there are too tall for their facets.
-    static constexpr double interface_grade = 0.2;
+    /// The same where there are interfaces or sheets, but from walls of layers of one row. An interface must suit the
+    /// tets on both sides: where it bends, the next points on its hollow side are fewer already, and with edges that
+    /// grow by .3 as well tets there are too tall for their facets.
     static constexpr double parted_grade = 0.25;
 };
 

@@ -105,19 +105,22 @@ def patches_around(own):
     return of_curve, at
 
 
-@pytest.mark.parametrize("seed", [7, 16])
-def test_parts_that_pass_each_other_closely_share_no_facets(tmp_path, seed):
-    mesh = random_body(tmp_path, seed)
+@pytest.mark.parametrize("body", [7, 16])
+def test_parts_that_pass_each_other_closely_share_no_facets(tmp_path, body):
+    mesh = random_body(tmp_path, body)
     own = own_boundary(mesh, 40.0)
     of_curve, at_vertex = patches_around(own)
     tolerance = find_tolerance(own, own.auto_tolerance() * own.diagonal)
     sizes = {"local_tolerance": tolerance.local, "surface_size": longest_edges(mesh, own, own, 1.25)}
-    found = start(mesh, own, tolerance.most / own.diagonal, **sizes).mesh
+    seeds = range(6)
     stray = 0
-    for corners, patch in zip(found.facets.tolist(), found.facet_patch.tolist(), strict=True):
-        for v in corners:
-            label = int(found.label[v])
-            has = {1: {label}, 2: of_curve.get(label), 3: at_vertex.get(label)}[int(found.stratum[v])]
-            stray += patch not in has
-    assert len(found.facets) > 1000
-    assert stray <= 2  # 6 and 7 before passing edges gave patches a point
+    for seed in seeds:
+        found = start(mesh, own, tolerance.most / own.diagonal, seed=seed, **sizes).mesh
+        for corners, patch in zip(found.facets.tolist(), found.facet_patch.tolist(), strict=True):
+            for v in corners:
+                label = int(found.label[v])
+                has = {1: {label}, 2: of_curve.get(label), 3: at_vertex.get(label)}[int(found.stratum[v])]
+                stray += patch not in has
+        assert len(found.facets) > 1000
+    # One start in ten has 3, at the end of a crease; 6 and 7 each before passing edges gave patches a point.
+    assert stray / len(seeds) <= 1.5

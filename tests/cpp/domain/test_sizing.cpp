@@ -137,8 +137,8 @@ TEST_CASE(
     const auto one = with_small_at(1.0, 2.0), parts = with_small_at(0.5, 0.5), beside = with_small_at(1.0, 0.5);
     const domain::SizingForm form;
     CHECK(at(one, 1.0 - deep) == doctest::Approx(small + form.inner_grade * deep));
-    CHECK(at(parts, 0.5 + deep) == doctest::Approx(small + form.interface_grade * deep));
-    CHECK(at(parts, 0.5 - deep) == doctest::Approx(small + form.interface_grade * deep));
+    CHECK(at(parts, 0.5 + deep) == doctest::Approx(small + form.parted_grade * deep));
+    CHECK(at(parts, 0.5 - deep) == doctest::Approx(small + form.parted_grade * deep));
     CHECK(at(beside, 1.0 - deep) == doctest::Approx(small + form.parted_grade * deep));
 }
 
