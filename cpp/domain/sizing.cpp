@@ -32,8 +32,7 @@ double unit_sag(double k1, double k2) {
 
 Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMap &map, const SizingForm &form,
                std::span<const double> wanted, const Workers &workers)
-    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true),
-      parted_(reference.has_inner()) {
+    : reference_(reference), mesh_(mesh), map_(map), form_(form), sharp_(reference), notches_(reference, true) {
     make_input_sizes(wanted);
     const auto &points = reference.data().points;
     limit_.resize(points.size());
@@ -52,6 +51,7 @@ Sizing::Sizing(const Reference &reference, const InputMesh &mesh, const RegionMa
     limit_by_passing_creases();
     if (form.sharp)
         limit_by_sharp_edges();
+    find_growth();
     grade();
 }
 
@@ -253,10 +253,13 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
     return foot.edge >= 0 && foot.distance < clearance(foot) && sharp_.takes_in(foot, p) ? foot : SharpFoot{};
 }
 
-double Sizing::growth(int triangle) const {
-    const auto &[a, b, c] = reference_.data().triangles[triangle];
-    const bool layer = std::max({layer_[a], layer_[b], layer_[c]}) > 0.0;
-    return parted_ && !layer ? SizingForm::parted_grade : SizingForm::inner_grade;
+void Sizing::find_growth() {
+    const bool parted = reference_.has_inner();
+    for (const auto &[a, b, c] : reference_.data().triangles) {
+        const bool layer = std::max({layer_[a], layer_[b], layer_[c]}) > 0.0;
+        growth_.push_back(parted && !layer ? SizingForm::parted_grade : SizingForm::inner_grade);
+    }
+    least_growth_ = reference_.tree().smallest(growth_);
 }
 
 void Sizing::grade() {
@@ -265,21 +268,18 @@ void Sizing::grade() {
     // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
     // are mostly bad.
     flat_.assign(data.triangles.size(), 0.0);
-    growth_.clear();
     std::vector<double> sizes, from;
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         const auto &[a, b, c] = data.triangles[t];
         const double size = std::min({surface[a], surface[b], surface[c]});
         if (inside_[t] < kThick * size)
             flat_[t] = 0.5 * inside_[t];
-        growth_.push_back(growth(static_cast<int>(t)));
         sizes.push_back(size);
         from.push_back(size - growth_[t] * flat_[t]);
         smallest_ = std::min(smallest_, size);
     }
     least_ = reference_.tree().smallest(sizes);
     least_from_ = reference_.tree().smallest(from);
-    least_growth_ = reference_.tree().smallest(growth_);
 }
 
 double SizingForm::least_at(int patch, const Reference &reference) const {

@@ -117,8 +117,7 @@ class Sizing {
     void limit_to_mean(const std::vector<double> &thin, const std::vector<char> &measured);
     /// Edges along a sharp edge are shorter than others by as much as the region is thinner.
     void limit_by_sharp_edges();
-    /// By how much sizes grow per distance from a triangle.
-    double growth(int triangle) const;
+    void find_growth();
     static constexpr double kThick = 2.0; // sizes: a wall no thicker is thin
     /// What thickness and gaps at a triangle allow, and the thickness of a wall inside there.
     struct Thickness {
@@ -148,7 +147,6 @@ class Sizing {
     std::vector<double> input_; // per input point
     double volume_ = 0.0;       // of the input
     bool uniform_ = false;
-    bool parted_; // whether there are interfaces or sheets
     std::vector<double> limit_;
     std::vector<double> patch_area_;
     std::vector<double> curved_; // what curvature allows per point of the surface, infinite where it is flat

@@ -120,8 +120,7 @@ TEST_CASE("Sizing: grows no faster than its grades, and stays between its least 
     }
 }
 
-TEST_CASE(
-    "Sizing: grows slower from an interface than from a wall of a domain without, and from other walls a little") {
+TEST_CASE("Sizing: grows slower in a domain with an interface, from there and from its other walls") {
     constexpr double small = 0.05, large = 0.6;
     const auto with_small_at = [&](double x, double split) {
         Body body = cube(8, 0.0, 1, split);
