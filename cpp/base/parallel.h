@@ -20,6 +20,8 @@ class Workers {
     /// At least one: the caller's own.
     explicit Workers(unsigned threads = 1) : threads_(std::max(1u, threads)) {}
 
+    unsigned count() const { return threads_; }
+
     /// Call body(first, last) for each chunk of 0..count, on any thread and in any order. Of what the chunks throw, the
     /// first one's is thrown again once no thread is at work any more.
     template <class Body> void for_chunks(std::size_t count, std::size_t chunk, const Body &body) const {

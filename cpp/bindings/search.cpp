@@ -1,5 +1,6 @@
 #include "bindings/bindings.h"
 #include "bindings/domain.h"
+#include "bindings/workers.h"
 #include "search/crease_release.h"
 #include "search/stratified_mesh.h"
 
@@ -125,7 +126,8 @@ void expect_fixed(const search::StratifiedMesh &mesh, const search::SearchOption
         refuse("ruled_out is for facets that stay: neither flips nor splits of the surface go with it");
 }
 
-nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle asked, const nb::object &progress) {
+nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle asked, const nb::object &progress,
+                                unsigned threads) {
     domain::SurfaceData on = surface_of(surface);
     const std::size_t patches = pieces(on.patch).size(), curves = pieces(on.curve).size();
     const search::StratifiedMesh mesh = stratified_mesh_of(of, patches, curves);
@@ -135,6 +137,7 @@ nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle as
     if (const auto given = maybe<Array>(asked, "ruled_out"))
         hopeless = numbers_of(*given, static_cast<std::int64_t>(mesh.facets.size()), "ruled_out");
     search::SearchOptions options = options_of(asked, patches, curves);
+    options.workers = workers_of(threads);
     expect_fixed(mesh, options, hopeless);
     const double tolerance = number<double>(asked, "tolerance", [](double t) { return t > 0.0; }, "must be positive");
     std::vector<double> local;
@@ -165,11 +168,12 @@ nb::object search_well_centered(nb::handle of, nb::handle surface, nb::handle as
 
 void bind_search(nb::module_ &m) {
     m.def("search_well_centered", &search_well_centered, nb::arg("mesh"), nb::arg("surface"), nb::arg("options"),
-          nb::arg("progress") = nb::none(),
+          nb::arg("progress") = nb::none(), nb::arg("threads") = 0,
           nb::sig("def search_well_centered(mesh: wct_plugin.core.domain.StratifiedMesh,"
                   " surface: wct_plugin.core.domain.StratifiedSurface,"
                   " options: wct_plugin.core.requests.SearchOptions,"
-                  " progress: collections.abc.Callable[[str, float, int], typing.Any] | None = None)"
+                  " progress: collections.abc.Callable[[str, float, int], typing.Any] | None = None,"
+                  " threads: int = 0)"
                   " -> wct_plugin.core.results.SearchResult"),
           R"(Reconnect and move by local search until all tets contain their circumcenter, and facets are acute.
 
@@ -191,6 +195,8 @@ options
 progress
     ``progress(phase, done, bad)`` hears the done fraction of the phase and the number of tets that miss the goal; it
     returns something false other than None to stop.
+threads
+    To work on; 0 as many as OMP_NUM_THREADS says, or there are cores. The same bits come out whatever it is.
 
 Returns
 -------

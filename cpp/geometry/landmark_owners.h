@@ -20,12 +20,15 @@ template <class Owner> class LandmarkOwners {
         return count() - 1;
     }
     void clear() { links_.clear(); }
-    /// Put it first in the list of an owner. It must be in no list.
-    void own(int landmark, const Owner &owner, int &first) {
-        links_[static_cast<std::size_t>(landmark)] = {owner, first, -1};
-        if (first >= 0)
-            links_[static_cast<std::size_t>(first)].previous = landmark;
-        first = landmark;
+    /// The one before in the list of its owner, or -1.
+    int previous(int landmark) const { return links_[static_cast<std::size_t>(landmark)].previous; }
+    /// Put it in the list of an owner, after the landmark `after`; -1: first. It must be in no list.
+    void own(int landmark, const Owner &owner, int &first, int after = -1) {
+        int &place = after < 0 ? first : links_[static_cast<std::size_t>(after)].next;
+        links_[static_cast<std::size_t>(landmark)] = {owner, place, after};
+        if (place >= 0)
+            links_[static_cast<std::size_t>(place)].previous = landmark;
+        place = landmark;
     }
     /// Take it out of the list of its owner.
     void disown(int landmark, int &first) {

@@ -144,6 +144,7 @@ Found LocalSearch::run(const search::StratifiedMesh &start, const std::vector<in
     options.passes = kPasses;
     options.kicks = kKicks * options_.effort;
     options.seed = options_.seed;
+    options.workers = workers_;
     options.worth = worth;
     options.work = static_cast<long>(part * static_cast<double>(work_.left()));
     options.most = limit_.most();

@@ -34,6 +34,13 @@ void BadTetQueue::failed(int t) {
     enqueue(t);
 }
 
+void BadTetQueue::not_tried(int t) {
+    if (!entries_[t].bad || entries_[t].failures == 0)
+        return;
+    --entries_[t].failures;
+    enqueue(t);
+}
+
 void BadTetQueue::update(const std::vector<int> &changed, int failures) {
     entries_.resize(complex_.tet_slots());
     for (int t : changed) {

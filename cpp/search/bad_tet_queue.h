@@ -27,6 +27,8 @@ class BadTetQueue {
     int failures(int t) const { return entries_[t].failures; }
     /// Note a try in vain at t; its place in the queue moves back.
     void failed(int t);
+    /// What was noted as a try in vain was none.
+    void not_tried(int t);
     /// These tets may have become good or bad, come or gone. New bad ones count as tried `failures` times.
     void update(const std::vector<int> &changed, int failures);
 

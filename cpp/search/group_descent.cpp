@@ -169,8 +169,6 @@ bool GroupDescent::relax_round(int t) {
     load();
     Moving moving(*this, complex_.vertex(complex_.tet(t)[0]).size);
     energy::descend(moving, form);
-    for (std::size_t i = 0; i < free_.size(); ++i)
-        complex_.set_hint(free_[i], hints_[i]);
     return moving.lower() && settle(moving.at());
 }
 
@@ -178,6 +176,7 @@ bool GroupDescent::settle(const energy::Field &at) {
     complex_.mark();
     for (std::size_t i = 0; i < free_.size(); ++i) {
         const int v = free_[i];
+        complex_.set_hint(v, hints_[i]);
         if (complex_.vertex(v).stratum == Stratum::interior) {
             complex_.move(v, at[i]);
             continue;

@@ -1,230 +1,119 @@
 #include "search/kicks.h"
 
-#include "base/sort_unique.h"
-
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <array>
+#include <atomic>
 
 namespace wct::search {
 
 namespace {
-constexpr double kLoose = 3.0; // how far beyond the tolerance a kick may go, in tolerances
-/// Shares of the kicks that refine the surface, at a facet beyond the tolerance, the same where that has failed often
-/// enough, and at others. A tet only short of a margin must first have withstood all else: small curved meshes would
-/// pay for it with tets.
-constexpr double kRefineOver = 0.9;
-constexpr double kRefineStuck = 0.4;
-constexpr double kRefine = 0.25;
-constexpr int kTried = 20; // failures at a tet from which on kicks there may leave the mesh worse
+constexpr std::size_t kBatch = 8;
+constexpr double kNear =
+    5.0; // in sizes: kicks so near each other would hardly both be kept, farther ones nearly always
+constexpr double kFewer = 0.1; // what a bad tet less lowers the energy by at least
 } // namespace
 
-void Kicks::ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out) {
-    out.assign(1, vertex);
-    marks_.resize(complex_.vertex_slots(), 0);
-    marks_[vertex] = ++mark_;
-    for (std::size_t k = 0; k < out.size(); ++k)
-        for (int t : complex_.star(out[k]))
-            for (int w : complex_.tet(t))
-                if (marks_[w] != mark_) {
-                    marks_[w] = mark_;
-                    if (norm(complex_.point(w) - center) < radius)
-                        out.push_back(w);
-                }
+void Kicks::restart() {
+    queue_.rebuild();
+    tasks_.clear();
+    next_ = 0;
+    constexpr std::size_t each = 4; // kicks that a bad tet takes at least, roughly
+    crew_.gather(each * static_cast<std::size_t>(bad()));
 }
 
-void Kicks::open_wedges(int t) {
-    constexpr double acute = 0.02; // cosine below which a facet between two creases counts as not acute
-    const Tet tet = complex_.tet(t);
-    for (int c : tet) {
-        if (complex_.vertex(c).stratum != Stratum::corner)
-            continue;
-        std::vector<Edge> opposite;
-        for (int s : complex_.star(c))
-            for (const auto &edge : kEdges) {
-                const int a = complex_.tet(s)[edge[0]], b = complex_.tet(s)[edge[1]];
-                if (a == c || b == c || !complex_.is_crease(a, c) || !complex_.is_crease(b, c))
-                    continue;
-                const Vec3 p = complex_.point(a) - complex_.point(c), q = complex_.point(b) - complex_.point(c);
-                if (dot(p, q) < acute * norm(p) * norm(q))
-                    opposite.push_back(sorted(a, b));
+void Kicks::choose() {
+    const TetComplex &mesh = crew_.mesh();
+    tasks_.clear();
+    std::vector<int> turns; // by place
+    for (std::size_t k = 0; k < kBatch; ++k) {
+        const int t = queue_.next();
+        Task task{t, queue_.failures(t), random_.next(), mesh.centroid(t), mesh.vertex(mesh.tet(t)[0]).size};
+        const auto near = [&](const Task &other) {
+            return norm(other.center - task.center) < kNear * std::max(other.size, task.size);
+        };
+        const auto first = std::ranges::find_if(tasks_, near);
+        task.place = first == tasks_.end() ? turns.size() : first->place;
+        turns.resize(std::max(turns.size(), task.place + 1), 0);
+        task.turn = turns[task.place]++;
+        tasks_.push_back(task);
+        queue_.failed(t); // until it is known
+    }
+    // Once at each place first: while others are tried it gets known what that has come to.
+    std::ranges::stable_sort(tasks_, {}, &Task::turn);
+}
+
+void Kicks::try_all() {
+    std::array<std::atomic<std::size_t>, kBatch> first; // by place: of the tasks there that are fit to be kept
+    for (auto &one : first)
+        one = kBatch;
+    attempts_.assign(tasks_.size(), {});
+    crew_.run(attempts_, [&](Workbench &bench, std::size_t k) {
+        const Task &task = tasks_[k];
+        if (first[task.place] < k) // it will be passed over
+            return Attempt{};
+        Attempt made = bench.attempt(
+            task.seed, [&] { return bench.kick.at(task.tet, task.failures) && (!allowed || allowed(bench)); });
+        if (std::size_t least = first[task.place]; made.change)
+            while (k < least && !first[task.place].compare_exchange_weak(least, k)) {
             }
-        sort_unique(opposite);
-        for (const auto &[a, b] : opposite)
-            operators_.split(a, b, std::numeric_limits<double>::infinity());
-    }
+        return made;
+    });
+    kept_.assign(tasks_.size(), 0);
+    any_kept_ = false;
+    ++batch_;
+    next_ = 0;
 }
 
-void Kicks::mend_valence(int t) {
-    constexpr std::size_t few = 4;
-    constexpr double slack = std::numeric_limits<double>::infinity();
-    const Tet tet = complex_.tet(t);
-    for (int v : tet) {
-        if (!complex_.used(v) || complex_.vertex(v).stratum != Stratum::patch)
-            continue;
-        complex_.surface_at(v, facets_);
-        if (facets_.size() > few)
-            continue;
-        const Facet &facet = facets_[random_.below(static_cast<int>(facets_.size()))].key;
-        int i = 0;
-        while (facet[i] != v)
-            ++i;
-        const int a = facet[(i + 1) % 3], b = facet[(i + 2) % 3];
-        watch_.loose = kLoose;
-        random_.coin() ? operators_.collapse(v, random_.coin() ? a : b, slack) : operators_.remove_edge(a, b, slack);
-        watch_.loose = 0.0;
-    }
+bool Kicks::reached(std::size_t k) const {
+    if (kept_[tasks_[k].place] || (allowed && any_kept_))
+        return true;
+    const Tet &tet = crew_.mesh().tet(tasks_[k].tet);
+    const auto there = [this](int v) { return claimed(v); };
+    return std::any_of(tet.begin(), tet.end(), there) ||
+           (attempts_[k].change && std::ranges::any_of(attempts_[k].change->touched, there));
 }
 
-void Kicks::refine_surface(int t) {
-    constexpr int most = 6;       // a ridge needs a row of vertices at once
-    constexpr double close = 0.3; // of the shortest edge elsewhere: what is too near can be collapsed afterwards
-    constexpr double slack = std::numeric_limits<double>::infinity();
-    const double shortest = operators_.shortest;
-    const bool over = complex_.over(complex_.tet(t)) > 0.0;
-    if (over)
-        operators_.shortest *= close;
-    watch_.loose = kLoose;
-    std::optional<int> v;
-    if (over && random_.coin())
-        v = repair_.snap(t);
-    if (!v)
-        v = repair_.insert_on_facet(t, slack);
-    for (int k = 1; v && k < most; ++k) {
-        const auto facet = worst_facet(*v);
-        const auto peak = facet ? operators_.farthest(*facet) : std::nullopt;
-        v = peak ? operators_.refine(*facet, *peak, slack) : std::nullopt;
-    }
-    watch_.loose = 0.0;
-    operators_.shortest = shortest;
-}
-
-std::optional<Facet> Kicks::worst_facet(int v) {
-    std::optional<Facet> worst;
-    double most = 0.0;
-    complex_.surface_at(v, facets_);
-    for (const auto &[key, facet] : facets_)
-        if (facet->over > most) {
-            most = facet->over;
-            worst = key;
+void Kicks::advance() {
+    for (;; ++next_) {
+        if (next_ == tasks_.size()) {
+            choose();
+            try_all();
         }
-    return worst;
-}
-
-void Kicks::shake(int t, const Kick &kick, double refine) {
-    const Tet tet = complex_.tet(t);
-    const Vec3 center = complex_.centroid(t);
-    std::vector<int> vertices;
-    ball(center, kick.radius * complex_.vertex(tet[0]).size, tet[0], vertices);
-    operators_.touched = vertices;
-    for (int v : tet)
-        operators_.touch(v);
-    vertices = operators_.touched;
-    for (int v : vertices)
-        if (random_.coin())
-            descent_.nudge(v, complex_.point(v) + (kick.sigma * complex_.vertex(v).size) * random_.normal3());
-    if (random_.coin())
-        open_wedges(t);
-    if (random_.coin())
-        mend_valence(t);
-    if (random_.uniform() < refine)
-        refine_surface(t);
-    for (int k = 0; k < kick.operators; ++k) {
-        const int v = operators_.touched[random_.below(static_cast<int>(operators_.touched.size()))];
-        if (complex_.used(v))
-            repair_.random_operator(complex_.star(v)[random_.below(static_cast<int>(complex_.star(v).size()))],
-                                    kick.slack);
+        if (!reached(next_))
+            return;
+        kept_[tasks_[next_].place] |= attempts_[next_].change.has_value();
+        queue_.not_tried(tasks_[next_].tet);
     }
-    for (int round = 0; round < 3; ++round) {
-        vertices = operators_.touched;
-        for (int v : vertices)
-            descent_.relax(v, 3);
-        repair_.flip_round(vertices);
-    }
-}
-
-void Kicks::near_changed(const Vec3 &center, double radius) {
-    constexpr std::size_t most = 48; // where much falls short, all of it within the radius would be a sweep of its own
-    complex_.changed(changed_);
-    nearest_.clear();
-    for (int t : changed_) {
-        if (!complex_.alive(t) || complex_.energy(t) <= 0.0 || complex_.ruled_out(t))
-            continue;
-        const double distance = norm(complex_.point(complex_.tet(t)[0]) - center);
-        if (distance <= radius)
-            nearest_.push_back({distance, t});
-    }
-    std::sort(nearest_.begin(), nearest_.end());
-    nearest_.resize(std::min(nearest_.size(), most));
-    changed_.clear();
-    for (const auto &[distance, t] : nearest_)
-        changed_.push_back(t);
-}
-
-bool Kicks::repair(const Vec3 &center, double radius, double worse) {
-    double previous = std::numeric_limits<double>::infinity();
-    constexpr int rounds = 4;
-    // Energies: from which on a kick will hardly come to good, after one round and two; and what is no gain.
-    constexpr double hopeless = 1.5, far = 0.3, little = 1e-3;
-    for (int round = 0; round < rounds; ++round) {
-        near_changed(center, radius);
-        repair_.pass(Repair::recipes[std::min(round, 2)], changed_);
-        const double gain = complex_.gain();
-        if ((round >= 1 && gain > hopeless) || (round >= 2 && gain > far))
-            return false;
-        if (round > 1 && gain > previous - little)
-            break;
-        previous = gain;
-    }
-    return complex_.gain() < worse;
 }
 
 bool Kicks::tried() {
-    return queue_.failures(queue_.next()) >= kTried;
+    advance();
+    return tasks_[next_].failures >= Kick::tried;
 }
 
-bool Kicks::once() {
-    static constexpr Kick kicks[] = {{1.0, 0.12, 2, 4.0}, {1.4, 0.2, 4, 6.0}, {0.9, 0.3, 4, 10.0}, {0.7, 0.3, 2, 10.0}};
-    constexpr int few = 10;        // failures
-    constexpr double equal = 0.02; // energies
-    constexpr double most = 1.2;   // by which it may get worse: a bad tet more counts .3
-    constexpr double fewer = 0.1;  // what a bad tet less lowers it by at least
-    const int t = queue_.next();
-    const int failures = queue_.failures(t);
-    const Kick &kick = kicks[random_.below(std::size(kicks))];
-    const Tet tet = complex_.tet(t);
-    const Vec3 center = complex_.centroid(t);
-    constexpr double reach = 3.5; // of what is repaired round a kick, in sizes
-    const double radius = reach * complex_.vertex(tet[0]).size;
-    // Where nothing has helped, the mesh may be too coarse: allow finer edges, and no coarser ones.
-    constexpr double finer = 0.65;
-    const bool stuck = failures >= few;
-    const double scale = stuck && random_.coin() ? finer : 1.0;
-    operators_.shortest *= scale;
-    operators_.longest *= scale;
-    double refine = stuck || energy_.misses_goal(complex_.energy(t)) ? kRefine : 0.0;
-    if (complex_.over(tet) > 0.0)
-        refine = stuck ? kRefineStuck : kRefineOver;
-    complex_.mark();
-    const int over = complex_.over_count();
-    shake(t, kick, refine);
-    const double chance = random_.uniform();
-    const double worse = equal + (failures < kTried ? 0.0 : most * chance * std::sqrt(chance));
-    const bool keep = repair(center, radius, worse) && complex_.over_count() <= over && (!allowed || allowed());
-    operators_.shortest /= scale;
-    operators_.longest /= scale;
-    if (!keep) {
-        complex_.rollback();
-        queue_.failed(t);
-        return false;
-    }
-    const bool better = complex_.gain() < -fewer;
-    complex_.changed(changed_);
-    complex_.commit();
-    queue_.update(changed_, better ? failures / 2 : failures + 1);
-    if (!better)
-        queue_.failed(t);
-    return better;
+void Kicks::keep(std::size_t k, bool better) {
+    const Task &task = tasks_[k];
+    const MeshChange &change = *attempts_[k].change;
+    claims_.resize(crew_.mesh().vertex_slots(), 0);
+    for (const int v : change.touched)
+        claims_[v] = batch_;
+    any_kept_ = true;
+    crew_.apply(change, changed_);
+    queue_.update(changed_, better ? task.failures / 2 : task.failures + 1);
+    if (better)
+        queue_.not_tried(task.tet);
+}
+
+Kicks::Outcome Kicks::once() {
+    advance();
+    const std::size_t k = next_++;
+    const Attempt &made = attempts_[k];
+    const bool keeps = made.change && crew_.has_room(*made.change);
+    const bool better = keeps && made.gain < -kFewer;
+    kept_[tasks_[k].place] |= made.change.has_value();
+    if (keeps)
+        keep(k, better);
+    return {better, made.spent};
 }
 
 } // namespace wct::search

@@ -1,78 +1,68 @@
 #pragma once
 
 #include "search/bad_tet_queue.h"
-#include "search/repair.h"
+#include "search/crew.h"
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 namespace wct::search {
 
-/// Iterated local search (Lourenço, Martin, Stützle 2003) at the tets that miss the goal: kick a neighbourhood, repair
-/// it, keep the result unless it got worse, or not much worse where all else has failed (their acceptance between
-/// "better" and "random walk"): places that held out for a thousand kicks come right so in some hundred. Kicks are
-/// small: of hundreds that reached farther, at places where nothing else had helped either, one in five hundred brought
-/// anything, at three times the cost.
+/// Kicks at the bad tets of a mesh, those tried least first.
+///
+/// A few are tried at a time, from the same mesh, on as many threads as there are. What they come to is kept in their
+/// order, unless it reaches what was kept before it: then it counts for nothing, as if it had not been tried. So at
+/// places apart several kicks are kept at a time, and where kicks are at one place the others were tried in case the
+/// ones before would fail.
 class Kicks {
   public:
-    Kicks(TetComplex &complex, const SearchEnergy &energy, Operators &operators, VertexDescent &descent,
-          SurfaceWatch &watch, Repair &repair, Random &random)
-        : complex_(complex), energy_(energy), operators_(operators), descent_(descent), watch_(watch), repair_(repair),
-          random_(random), queue_(complex, energy, random) {}
+    Kicks(Crew &crew, Random &random) : crew_(crew), random_(random), queue_(crew.mesh(), crew.own().energy, random) {}
 
     /// Look for bad tets afresh, after changes made elsewhere.
-    void restart() { queue_.rebuild(); }
+    void restart();
     int bad() const { return queue_.bad(); }
-    /// Whether even the bad tet tried least, there must be one, has been tried so often that its kick may leave the
-    /// mesh worse.
+    /// Whether the kick that comes next, there must be a bad tet, may leave the mesh worse: so often has its tet been
+    /// tried.
     bool tried();
-    /// Kick at the bad tet tried least; there must be one. True if the mesh got better by a bad tet.
-    bool once();
-    /// Whether what a kick has come to may stay; empty: any.
-    std::function<bool()> allowed;
+    struct Outcome {
+        bool better = false; // by a bad tet
+        Spent spent;
+    };
+    /// The next kick; there must be a bad tet.
+    Outcome once();
+    /// Whether what a kick has come to, on a bench, may stay; empty: any. Then no more than one of those tried at a
+    /// time is kept.
+    std::function<bool(Workbench &)> allowed;
 
   private:
-    struct Kick {
-        double radius, sigma; // in local sizes
-        int operators;
-        double slack;
+    struct Task {
+        int tet;
+        int failures;
+        std::uint64_t seed;
+        Vec3 center;
+        double size;
+        std::size_t place = 0; // of a number of tasks near each other
+        int turn = 0;          // among those
     };
-    void ball(const Vec3 &center, double radius, int vertex, std::vector<int> &out);
-    /// Two creases that meet in a corner at a right or obtuse angle span no acute facet: split every edge at the
-    /// corners of t that closes such a facet. Chance finds this seldom, since all wedges of a corner must open at once.
-    void open_wedges(int t);
-    /// Four facets round a vertex of a patch are not all acute unless it stands out like a tip, and the tolerance may
-    /// not let it: flip an edge opposite to it, or do away with it. On the way facets may leave the tolerance.
-    void mend_valence(int t);
-    /// A facet beyond the tolerance is too large for its place, and so may one be that will not get acute: give the
-    /// surface a vertex there at any price, and more where the facets round that are still beyond the tolerance. Chance
-    /// seldom finds the facet among those of the neighbourhood, and a vertex more that is not relaxed yet costs more
-    /// than the slack of a random operator.
-    void refine_surface(int t);
-    /// The facet at v that is farthest beyond the tolerance, if one is.
-    std::optional<Facet> worst_facet(int v);
-    /// `refine` is the chance that the surface is refined.
-    void shake(int t, const Kick &kick, double refine);
-    /// Into changed_: the tets nearest to the center that the kick changed and that fall short. What it left as it was
-    /// has been tried before.
-    void near_changed(const Vec3 &center, double radius);
-    /// Whether the mesh has got better, or worse by less than that.
-    bool repair(const Vec3 &center, double radius, double worse);
+    void choose();
+    void try_all();
+    /// Go on to a task that nothing kept reaches.
+    void advance();
+    bool reached(std::size_t k) const;
+    bool claimed(int v) const { return static_cast<std::size_t>(v) < claims_.size() && claims_[v] == batch_; }
+    void keep(std::size_t k, bool better);
 
-    TetComplex &complex_;
-    const SearchEnergy &energy_;
-    Operators &operators_;
-    VertexDescent &descent_;
-    SurfaceWatch &watch_;
-    Repair &repair_;
+    Crew &crew_;
     Random &random_;
     BadTetQueue queue_;
-    std::vector<TetComplex::SurfaceAt> facets_;
-    std::vector<int> marks_;
-    int mark_ = 0;
+    std::vector<Task> tasks_;
+    std::vector<Attempt> attempts_; // of the tasks
+    std::size_t next_ = 0;          // task
+    std::vector<char> kept_;        // by place, whether one of those before was fit to be kept there
+    bool any_kept_ = false;
+    std::vector<int> claims_; // by vertex: the last batch that changed what is at it
+    int batch_ = 0;
     std::vector<int> changed_;
-    std::vector<std::pair<double, int>> nearest_;
 };
 
 } // namespace wct::search

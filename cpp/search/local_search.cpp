@@ -52,24 +52,15 @@ bool has_inner_facets(const TetComplex &complex) {
 } // namespace
 
 LocalSearch::LocalSearch(TetComplex &complex, const SurfaceGuide &guide, const SearchOptions &options)
-    : complex_(complex), guide_(guide), options_(options), energy_(broad_form(options.acute)), watch_(complex, guide),
-      operators_(complex, energy_, guide, watch_), descent_(complex, energy_, guide, watch_),
-      group_(complex, energy_, guide, watch_), random_(options.seed),
-      repair_(complex, energy_, operators_, descent_, group_, random_),
-      kicks_(complex, energy_, operators_, descent_, watch_, repair_, random_) {
-    watch_.crease = options.crease;
-    // Bodies without come right either way; a cube takes a fifth longer with it.
-    watch_.divides_corners = options.acute && has_inner_facets(complex);
-    operators_.flip_surface = options.flip_surface;
-    operators_.split_surface = options.split_surface;
-    operators_.most = options.most;
-    operators_.fixed = options.fixed;
-    operators_.fixed_curves = options.fixed_curves;
+    : complex_(complex), guide_(guide), options_(options), random_(options.seed),
+      // Bodies without inner facets come right either way; a cube takes a fifth longer with divided corners.
+      bench_(complex, guide, broad_form(options.acute), options_, options.acute && has_inner_facets(complex)),
+      crew_(bench_, guide, options_), sweeps_(crew_, random_), kicks_(crew_, random_) {
     WCT_CHECK(complex_.checks.start(complex_);)
 }
 
 void LocalSearch::adopt(const SearchForm &form) {
-    energy_.adopt(form);
+    bench_.energy.adopt(form);
     std::vector<int> slots;
     std::vector<Tet> tets;
     for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
@@ -78,7 +69,7 @@ void LocalSearch::adopt(const SearchForm &form) {
             tets.push_back(complex_.tet(t));
         }
     std::vector<double> energies(tets.size());
-    energy_.of_present(complex_, tets, energies.data());
+    bench_.energy.of_present(complex_, tets, energies.data());
     for (std::size_t k = 0; k < slots.size(); ++k)
         complex_.set_energy(slots[k], energies[k]);
     complex_.resum();
@@ -87,16 +78,23 @@ void LocalSearch::adopt(const SearchForm &form) {
 std::vector<int> LocalSearch::bad_tets() const {
     std::vector<int> bad;
     for (std::size_t k = 0; k < complex_.tet_slots(); ++k)
-        if (const int t = static_cast<int>(k); complex_.alive(t) && energy_.bad(complex_.energy(t)))
+        if (const int t = static_cast<int>(k); complex_.alive(t) && bench_.energy.bad(complex_.energy(t)))
             bad.push_back(t);
     return bad;
+}
+
+Spent LocalSearch::spent() const {
+    Spent sum = bench_.spent() - crew_.spent();
+    sum += sweeps_.spent();
+    sum += kicked_;
+    return sum;
 }
 
 void LocalSearch::sweep(int recipe) {
     std::vector<int> tets = bad_tets();
     if (recipe != 0)
         std::erase_if(tets, [&](int t) { return complex_.ruled_out(t); });
-    repair_.pass_changed(recipe, tets);
+    sweeps_.run(recipe, std::move(tets));
 }
 
 void LocalSearch::widen_margins(const SearchProgress &progress) {
@@ -137,7 +135,7 @@ bool LocalSearch::kick_until_good(const SearchProgress &progress, const char *ph
         if (vain >= limit || !worthwhile(price, least) || work() >= options_.work)
             return give_up();
         if (done % rest == 0)
-            complex_.resum();
+            crew_.resum();
         outcome_.bad = beside + least;
         if (done % hear == 0 &&
             !progress(phase, static_cast<double>(vain) / static_cast<double>(limit), outcome_.bad)) {
@@ -147,10 +145,11 @@ bool LocalSearch::kick_until_good(const SearchProgress &progress, const char *ph
         if (!best && kicks_.tried())
             best = complex_;
         ++outcome_.kicks;
-        const long before = energy_.evaluations();
-        outcome_.accepted += kicks_.once();
+        const Kicks::Outcome kick = kicks_.once();
+        outcome_.accepted += kick.better;
+        kicked_ += kick.spent;
         ++vain;
-        price.add(static_cast<double>(energy_.evaluations() - before), std::max(0, least - kicks_.bad()));
+        price.add(static_cast<double>(kick.spent.evaluations), std::max(0, least - kicks_.bad()));
         if (kicks_.bad() < least) {
             least = kicks_.bad();
             best.reset();
@@ -199,7 +198,10 @@ void LocalSearch::keep_by_force(SurfaceBalance &balance, const SearchProgress &p
         adopt(sharp_form(options_.acute));
         balance.force(patches);
         const double bound = std::max(share * missed, balance.missed(patches));
-        kicks_.allowed = [&] { return balance.missed(patches) <= bound; };
+        kicks_.allowed = [&](Workbench &bench) {
+            const SurfaceBalance there(bench.complex, bench.energy, guide_, bench.descent, options_.volumes);
+            return there.missed(patches) <= bound;
+        };
         const bool good = bound < missed && kick_until_good(progress, "kicks", bearable);
         if (good)
             widen_margins(progress);
@@ -220,7 +222,7 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
         outcome_.stopped = !progress(phase, done, outcome_.bad);
         return !outcome_.stopped;
     };
-    watch_.begin();
+    bench_.watch.begin();
     constexpr int cycle = 3;      // passes, one of each recipe
     constexpr double worth = 0.9; // what a cycle must bring the bad tets down to for another to begin
     double before = std::numeric_limits<double>::infinity();
@@ -239,7 +241,7 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     adopt(sharp_form(options_.acute));
     const auto bearable = [this](int bad) { return options_.hurry ? hurried(bad) : patience(bad); };
     const bool good = !outcome_.stopped && kick_until_good(progress, "kicks", bearable) && report("kicks", 1.0);
-    SurfaceBalance balance(complex_, energy_, guide_, descent_, options_.volumes);
+    SurfaceBalance balance(complex_, bench_.energy, guide_, bench_.descent, options_.volumes);
     if (good) {
         balance.keep_areas_roughly();
         widen_margins(progress);
@@ -252,7 +254,7 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());
     std::erase_if(outcome_.stuck, [&](int t) { return complex_.ruled_out(t); });
-    outcome_.evaluations = energy_.evaluations();
+    outcome_.evaluations = spent().evaluations;
     outcome_.work = work();
     WCT_CHECK(complex_.checks.end(complex_, guide_);)
     return outcome_;

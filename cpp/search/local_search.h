@@ -1,35 +1,15 @@
 #pragma once
 
-#include "base/work.h"
 #include "search/kicks.h"
+#include "search/search_options.h"
+#include "search/sweeps.h"
 
 #include <functional>
-#include <limits>
 #include <vector>
 
 namespace wct::search {
 
 class SurfaceBalance;
-
-struct SearchOptions {
-    bool acute = true;    // aim at CWC; otherwise at 3WC alone
-    double margin = 0.02; // clearance in h/R and cosine aimed at once all tets meet the goal
-    bool flip_surface = true;
-    bool split_surface = true;
-    std::vector<std::uint8_t> fixed, fixed_curves; // patches and curves that stay, as of Operators
-    int passes = 12;                               // greatest number of sweeps over all tets that fall short
-    long kicks = 4000;  // tries of the iterated local search in vain after which it stops; fewer where much is bad
-    bool hurry = false; // whether it should stop soon where the goal is not reached: there are other ways to go on
-    /// Evaluations per tet of the mesh that getting rid of all bad tets is worth: kicks stop where it would take more.
-    double worth = std::numeric_limits<double>::infinity();
-    /// Work, as of WorkUnits, after which kicks end, whatever is left.
-    long work = std::numeric_limits<long>::max();
-    /// Tets that the mesh may grow to.
-    std::size_t most = std::numeric_limits<std::size_t>::max();
-    double crease = -1.0; // cosine of the angle by which creases bend, as of SurfaceWatch
-    std::uint64_t seed = 0;
-    std::vector<double> volumes; // that the regions are to have in the end, by number; none: any
-};
 
 struct SearchOutcome {
     int bad = 0;
@@ -59,7 +39,9 @@ class LocalSearch {
     void adopt(const SearchForm &form);
     /// Those that miss the goal, or are at a facet beyond the tolerance.
     std::vector<int> bad_tets() const;
-    long work() const { return energy_.evaluations() + WorkUnits::look * watch_.looks(); }
+    /// All that counts, as it would be spent by one thread.
+    Spent spent() const;
+    long work() const { return spent().work(); }
     int count_bad() const { return static_cast<int>(bad_tets().size()); }
     void sweep(int recipe);
     /// How many kicks in vain to bear with this many bad tets left, and in a hurry.
@@ -86,14 +68,12 @@ class LocalSearch {
     TetComplex &complex_;
     const SurfaceGuide &guide_;
     SearchOptions options_;
-    SearchEnergy energy_;
-    SurfaceWatch watch_;
-    Operators operators_;
-    VertexDescent descent_;
-    GroupDescent group_;
     Random random_;
-    Repair repair_;
+    Workbench bench_;
+    Crew crew_;
+    Sweeps sweeps_;
     Kicks kicks_;
+    Spent kicked_; // on kicks
     SearchOutcome outcome_;
 };
 

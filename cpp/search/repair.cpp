@@ -209,7 +209,7 @@ bool Repair::attempt(unsigned kind, int variant, int t, double slack) {
     }
 }
 
-void Repair::improve(const Recipe &recipe, int t) {
+bool Repair::improve(const Recipe &recipe, int t) {
     // How often each may be tried, those first that mend most tets for what they cost; in any order within a row. More
     // of what is random mends less for its cost than the next kick.
     using Tries = std::pair<unsigned, int>;
@@ -225,6 +225,7 @@ void Repair::improve(const Recipe &recipe, int t) {
         random_.shuffle(row_);
         tries_.insert(tries_.end(), row_.begin(), row_.end());
     }
+    bool any = false;
     for (const auto &[kind, variant] : tries_) {
         if (!complex_.alive(t) || !energy_.bad(complex_.energy(t)))
             break;
@@ -233,17 +234,14 @@ void Repair::improve(const Recipe &recipe, int t) {
         if (attempt(kind, variant, t, recipe.slack)) {
             relax_touched(recipe);
             if (complex_.gain() < -kAny) {
-                complex_.changed(changed_);
-                changed_at_.resize(complex_.tet_slots(), 0);
-                ++clock_;
-                for (int s : changed_)
-                    changed_at_[s] = clock_;
                 complex_.commit();
+                any = true;
                 continue;
             }
         }
         complex_.rollback();
     }
+    return any;
 }
 
 void Repair::pass(const Recipe &recipe, const std::vector<int> &tets) {
@@ -255,28 +253,6 @@ void Repair::pass(const Recipe &recipe, const std::vector<int> &tets) {
     for (int t : order_)
         if (complex_.alive(t) && energy_.bad(complex_.energy(t)))
             improve(recipe, t);
-}
-
-bool Repair::changed_since(int t, int when) const {
-    for (int v : complex_.tet(t))
-        for (int s : complex_.star(v))
-            if (changed_at_[s] > when)
-                return true;
-    return false;
-}
-
-void Repair::pass_changed(int recipe, const std::vector<int> &tets) {
-    changed_at_.resize(complex_.tet_slots(), 0);
-    tried_at_[recipe].resize(complex_.tet_slots(), -1);
-    std::vector<int> left;
-    for (int t : tets)
-        if (tried_at_[recipe][t] < 0 || changed_since(t, tried_at_[recipe][t]))
-            left.push_back(t);
-    pass(recipes[recipe], left);
-    changed_at_.resize(complex_.tet_slots(), 0);
-    tried_at_[recipe].resize(complex_.tet_slots(), -1);
-    for (int t : left)
-        tried_at_[recipe][t] = clock_;
 }
 
 } // namespace wct::search

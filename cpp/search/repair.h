@@ -5,6 +5,7 @@
 #include "search/operators.h"
 #include "search/vertex_descent.h"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -39,8 +40,8 @@ class Repair {
 
     /// One pass over the tets, worst first; those that are gone or good by then are left out.
     void pass(const Recipe &recipe, const std::vector<int> &tets);
-    /// The same, but tets tried in vain by this recipe before are left out until something changes round them.
-    void pass_changed(int recipe, const std::vector<int> &tets);
+    /// The same at one tet; true if anything was kept.
+    bool improve(const Recipe &recipe, int t);
     /// A random change of connectivity at t that need not be good.
     bool random_operator(int t, double slack);
     /// A new vertex on a surface facet of t: where the facet is farthest beyond the tolerance, or anywhere on it.
@@ -56,8 +57,6 @@ class Repair {
     bool chain(int t);
     bool insert_inside(int t, bool anywhere, double slack);
     void relax_touched(const Recipe &recipe);
-    void improve(const Recipe &recipe, int t);
-    bool changed_since(int t, int when) const;
 
     TetComplex &complex_;
     const SearchEnergy &energy_;
@@ -67,10 +66,6 @@ class Repair {
     Random &random_;
     std::vector<int> order_;
     std::vector<std::pair<unsigned, int>> tries_, row_;
-    int clock_ = 0;
-    std::vector<int> changed_at_;  // by tet
-    std::vector<int> tried_at_[3]; // by tet, for each recipe
-    std::vector<int> changed_;
 };
 
 } // namespace wct::search

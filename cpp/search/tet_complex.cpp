@@ -115,7 +115,7 @@ void TetComplex::set_over(const Facet &key, double over) {
     SurfaceFacet &facet = surface_.at(key);
     if (facet.over == over)
         return;
-    note({Kind::set_over, 0, facet.over, {}, key});
+    note({.kind = Kind::set_over, .index = 0, .energy = facet.over, .key = {key[0], key[1], key[2]}});
     count_over(key, (over > 0.0) - (facet.over > 0.0));
     facet.over = over;
 }
@@ -133,9 +133,23 @@ void TetComplex::count_over(const Facet &key, int change) {
         over_at_[v] += change;
 }
 
-void TetComplex::move_landmark(int landmark, const Facet &owner) {
+void TetComplex::set_hint(int v, std::int32_t hint) {
+    note({.kind = Kind::set_hint, .index = v, .key = {vertices_[v].hint}});
+    vertices_[v].hint = hint;
+}
+
+void TetComplex::set_hints(const Facet &key, const SurfaceHints &hints) {
+    SurfaceFacet &facet = surface_.at(key);
+    if (!marks_.empty()) {
+        note({.kind = Kind::set_hints, .index = 0, .key = {key[0], key[1], key[2]}});
+        old_hints_.push_back(facet.hints);
+    }
+    facet.hints = hints;
+}
+
+void TetComplex::move_landmark(int landmark, const Facet &owner, int after) {
     landmarks_.disown(landmark, surface_.at(landmarks_.owner(landmark)).landmark);
-    landmarks_.own(landmark, owner, surface_.at(owner).landmark);
+    landmarks_.own(landmark, owner, surface_.at(owner).landmark, after);
 }
 
 void TetComplex::add_landmark(const std::optional<Facet> &owner) {
@@ -151,10 +165,13 @@ void TetComplex::forget_landmarks() {
 }
 
 void TetComplex::hand_landmark(int landmark, const Facet &owner) {
-    if (landmarks_.owner(landmark) == owner)
+    const Facet &was = landmarks_.owner(landmark);
+    if (was == owner)
         return;
-    note({Kind::handed_landmark, landmark, 0.0, {}, landmarks_.owner(landmark)});
-    move_landmark(landmark, owner);
+    note({.kind = Kind::handed_landmark,
+          .index = landmark,
+          .key = {was[0], was[1], was[2], landmarks_.previous(landmark)}});
+    move_landmark(landmark, owner, -1);
 }
 
 void TetComplex::put_facet(const Facet &key, int patch, double over) {
@@ -188,33 +205,46 @@ void TetComplex::link(int t) {
     total_ += energies_[t];
 }
 
-void TetComplex::unlink(int t) {
-    for (int v : tets_[t]) {
-        auto &star = stars_[v];
-        *std::find(star.begin(), star.end(), t) = star.back();
+void TetComplex::link(int t, const std::array<int, 4> &places) {
+    link(t);
+    for (int i = 0; i < 4; ++i) {
+        auto &star = stars_[tets_[t][i]];
+        std::swap(star[places[i]], star.back());
+    }
+}
+
+std::array<int, 4> TetComplex::unlink(int t) {
+    std::array<int, 4> places{};
+    for (int i = 0; i < 4; ++i) {
+        auto &star = stars_[tets_[t][i]];
+        const auto at = std::find(star.begin(), star.end(), t);
+        places[i] = static_cast<int>(at - star.begin());
+        *at = star.back();
         star.pop_back();
     }
     alive_[t] = 0;
     --alive_count_;
     total_ -= energies_[t];
+    return places;
 }
 
 int TetComplex::add_vertex(const Vertex &vertex) {
     vertices_.push_back(vertex);
     stars_.emplace_back();
     over_at_.emplace_back();
-    note({Kind::added_vertex, 0, 0.0, {}, {}});
+    note({.kind = Kind::added_vertex, .index = 0, .key = {}});
     return static_cast<int>(vertices_.size()) - 1;
 }
 
 void TetComplex::move(int v, const Vec3 &position) {
-    note({Kind::moved, v, 0.0, vertices_[v].position, {}});
+    note({.kind = Kind::moved, .index = v, .position = vertices_[v].position, .key = {}});
     vertices_[v].position = position;
 }
 
 int TetComplex::add_tet(const Tet &tet, int region, double energy) {
     int t = static_cast<int>(tets_.size());
-    if (free_.empty()) {
+    const bool fresh = free_.empty();
+    if (fresh) {
         tets_.emplace_back();
         regions_.emplace_back();
         energies_.emplace_back();
@@ -227,43 +257,47 @@ int TetComplex::add_tet(const Tet &tet, int region, double energy) {
     regions_[t] = region;
     energies_[t] = energy;
     link(t);
-    note({Kind::added_tet, t, 0.0, {}, {}});
+    note({.kind = Kind::added_tet, .index = t, .key = {fresh}});
     return t;
 }
 
 void TetComplex::remove_tet(int t) {
-    unlink(t);
+    const std::array<int, 4> places = unlink(t);
     if (marks_.empty())
         free_.push_back(t);
     else // the slot keeps its contents until no rollback can ask for them
-        note({Kind::removed_tet, t, 0.0, {}, {}});
+        note({.kind = Kind::removed_tet, .index = t, .key = places});
 }
 
 void TetComplex::set_energy(int t, double energy) {
-    note({Kind::set_energy, t, energies_[t], {}, {}});
+    note({.kind = Kind::set_energy, .index = t, .energy = energies_[t], .key = {}});
     total_ += energy - energies_[t];
     energies_[t] = energy;
 }
 
 void TetComplex::add_facet(const Facet &key, int patch) {
     put_facet(key, patch, 0.0);
-    note({Kind::added_facet, patch, 0.0, {}, key});
+    note({.kind = Kind::added_facet, .index = patch, .key = {key[0], key[1], key[2]}});
 }
 
 void TetComplex::remove_facet(const Facet &key) {
-    const auto found = surface_.find(key);
-    note({Kind::removed_facet, found->second.patch, found->second.over, {}, key});
+    const SurfaceFacet &facet = surface_.at(key);
+    if (!marks_.empty()) {
+        note(
+            {.kind = Kind::removed_facet, .index = facet.patch, .energy = facet.over, .key = {key[0], key[1], key[2]}});
+        old_hints_.push_back(facet.hints);
+    }
     drop_facet(key);
 }
 
 void TetComplex::add_crease(const Edge &key, int curve) {
     creases_[key] = curve;
-    note({Kind::added_crease, curve, 0.0, {}, {key[0], key[1], 0}});
+    note({.kind = Kind::added_crease, .index = curve, .key = {key[0], key[1]}});
 }
 
 void TetComplex::remove_crease(const Edge &key) {
     const auto found = creases_.find(key);
-    note({Kind::removed_crease, found->second, 0.0, {}, {key[0], key[1], 0}});
+    note({.kind = Kind::removed_crease, .index = found->second, .key = {key[0], key[1]}});
     creases_.erase(found);
 }
 
@@ -281,58 +315,76 @@ void TetComplex::commit() {
         if (entry.kind == Kind::removed_tet)
             free_.push_back(entry.index);
     journal_.clear();
+    old_hints_.clear();
 }
 
 void TetComplex::rollback() {
     WCT_CHECK(checks.rollback();)
     const Mark mark = marks_.back();
     marks_.pop_back();
-    for (std::size_t k = journal_.size(); k-- > mark.entries;) {
-        const Entry &entry = journal_[k];
-        switch (entry.kind) {
-        case Kind::added_vertex:
-            vertices_.pop_back();
-            stars_.pop_back();
-            over_at_.pop_back();
-            break;
-        case Kind::moved:
-            vertices_[entry.index].position = entry.position;
-            break;
-        case Kind::added_tet:
-            unlink(entry.index);
-            free_.push_back(entry.index);
-            break;
-        case Kind::removed_tet:
-            link(entry.index);
-            break;
-        case Kind::set_energy:
-            energies_[entry.index] = entry.energy;
-            break;
-        case Kind::added_facet:
-            drop_facet(entry.key);
-            break;
-        case Kind::removed_facet:
-            put_facet(entry.key, entry.index, entry.energy);
-            break;
-        case Kind::set_over: {
-            double &over = surface_.at(entry.key).over;
-            count_over(entry.key, (entry.energy > 0.0) - (over > 0.0));
-            over = entry.energy;
-            break;
-        }
-        case Kind::handed_landmark:
-            move_landmark(entry.index, entry.key);
-            break;
-        case Kind::added_crease:
-            creases_.erase({entry.key[0], entry.key[1]});
-            break;
-        case Kind::removed_crease:
-            creases_[{entry.key[0], entry.key[1]}] = entry.index;
-            break;
-        }
-    }
-    journal_.resize(mark.entries);
+    for (; journal_.size() > mark.entries; journal_.pop_back())
+        undo(journal_.back());
     total_ = mark.total;
+}
+
+void TetComplex::undo(const Entry &entry) {
+    switch (entry.kind) {
+    case Kind::added_vertex:
+        vertices_.pop_back();
+        stars_.pop_back();
+        over_at_.pop_back();
+        break;
+    case Kind::moved:
+        vertices_[entry.index].position = entry.position;
+        break;
+    case Kind::added_tet:
+        unlink(entry.index);
+        if (entry.key[0]) { // the last slot: what came later is gone
+            tets_.pop_back();
+            regions_.pop_back();
+            energies_.pop_back();
+            alive_.pop_back();
+        } else {
+            free_.push_back(entry.index);
+        }
+        break;
+    case Kind::removed_tet:
+        link(entry.index, entry.key);
+        break;
+    case Kind::set_energy:
+        energies_[entry.index] = entry.energy;
+        break;
+    case Kind::added_facet:
+        drop_facet(facet_of(entry));
+        break;
+    case Kind::removed_facet:
+        put_facet(facet_of(entry), entry.index, entry.energy);
+        surface_.at(facet_of(entry)).hints = old_hints_.back();
+        old_hints_.pop_back();
+        break;
+    case Kind::set_over: {
+        double &over = surface_.at(facet_of(entry)).over;
+        count_over(facet_of(entry), (entry.energy > 0.0) - (over > 0.0));
+        over = entry.energy;
+        break;
+    }
+    case Kind::set_hint:
+        vertices_[entry.index].hint = entry.key[0];
+        break;
+    case Kind::set_hints:
+        surface_.at(facet_of(entry)).hints = old_hints_.back();
+        old_hints_.pop_back();
+        break;
+    case Kind::handed_landmark:
+        move_landmark(entry.index, facet_of(entry), entry.key[3]);
+        break;
+    case Kind::added_crease:
+        creases_.erase(crease_of(entry));
+        break;
+    case Kind::removed_crease:
+        creases_[crease_of(entry)] = entry.index;
+        break;
+    }
 }
 
 void TetComplex::changed(std::vector<int> &tets) const {

@@ -30,9 +30,11 @@ struct SameKey {
     bool operator()(const Facet &a, const Facet &b) const { return same(a, b); }
 };
 
-/// Pieces of the surface that parts of a facet were last found near: where to look first. Old ones cost time, no more,
-/// so that they are in no journal.
+/// Pieces of the surface that parts of a facet were last found near: where to look first. Near two sheets of the
+/// surface it may depend on them which one is found.
 using SurfaceHints = std::array<std::int32_t, 10>;
+
+struct MeshChange;
 
 struct Vertex {
     Vec3 position;
@@ -42,12 +44,13 @@ struct Vertex {
     /// Cosine above which angles of the tets here are like needles: those below 25.8 degrees, but at a crease that is
     /// as sharp itself.
     double needle = 0.9;
-    std::int32_t hint = 0; // piece of its patch or curve that it was last found near, in no journal like SurfaceHints
+    std::int32_t hint = 0; // piece of its patch or curve that it was last found near, like SurfaceHints
 };
 
 /// A tetrahedral mesh under change. Surface facets (the boundary and the interfaces between regions) know their patch,
 /// crease edges their curve. Every change is written to a journal while a mark is set; `rollback` returns to the last
-/// mark, `commit` forgets it and keeps the changes (for the mark around it to undo, if there is one).
+/// mark, to the order of stars and the numbers that what comes next will get, so that the same is done from there as if
+/// nothing had been; `commit` forgets the mark and keeps the changes (for the mark around it to undo, if there is one).
 class TetComplex {
   public:
     std::size_t vertex_slots() const { return vertices_.size(); }
@@ -113,8 +116,8 @@ class TetComplex {
     double farthest_over() const;
     /// The same of those at v.
     int over_at(int v) const { return over_at_[v]; }
-    void set_hint(int v, std::int32_t hint) { vertices_[v].hint = hint; }
-    void set_hints(const Facet &key, const SurfaceHints &hints) { surface_.at(key).hints = hints; }
+    void set_hint(int v, std::int32_t hint);
+    void set_hints(const Facet &key, const SurfaceHints &hints);
     /// Note that no tet on a surface facet, which must stay for ever, can meet the goal; whether t has such a facet.
     void rule_out(const Facet &key) {
         surface_.at(key).ruled_out = true;
@@ -156,6 +159,11 @@ class TetComplex {
     double gain() const { return total_ - marks_.back().total; }
     /// Tets added, removed or measured anew since the last mark, each once, in ascending order.
     void changed(std::vector<int> &tets) const;
+    /// All that has changed since the only mark.
+    MeshChange change() const;
+    /// Do to this mesh what was done to another that was the same, or differed only where the change does not reach. No
+    /// rollback undoes it.
+    void apply(const MeshChange &change);
     /// Recompute the sum from scratch: rounding in `total()` does not pile up over long runs.
     void resum();
 
@@ -171,17 +179,21 @@ class TetComplex {
         added_facet,
         removed_facet,
         set_over,
+        set_hint,
+        set_hints,
         handed_landmark,
         added_crease,
         removed_crease
     };
     struct Entry {
         Kind kind;
-        int index;     // vertex or tet; patch or curve of a facet or crease; landmark
-        double energy; // before; how far over the facet was
-        Vec3 position; // before
-        Facet key;     // facet; first two of a crease
+        int index;              // vertex or tet; patch or curve of a facet or crease; landmark
+        double energy = 0.0;    // before; how far over the facet was
+        Vec3 position = {};     // before
+        std::array<int, 4> key; // facet, then the landmark's place in its list; crease; places of a tet in stars; hint
     };
+    static Facet facet_of(const Entry &entry) { return {entry.key[0], entry.key[1], entry.key[2]}; }
+    static Edge crease_of(const Entry &entry) { return {entry.key[0], entry.key[1]}; }
     struct Mark {
         std::size_t entries;
         double total;
@@ -193,9 +205,14 @@ class TetComplex {
     void count_over(const Facet &key, int change);
     void put_facet(const Facet &key, int patch, double over);
     void drop_facet(const Facet &key);
-    void move_landmark(int landmark, const Facet &owner);
-    void unlink(int t);
+    /// `after`: the landmark that it comes after in the list of the owner; -1: it is the first.
+    void move_landmark(int landmark, const Facet &owner, int after);
+    /// Returns the places that the tet had in the stars of its vertices.
+    std::array<int, 4> unlink(int t);
     void link(int t);
+    /// The same at these places, which unlink gave.
+    void link(int t, const std::array<int, 4> &places);
+    void undo(const Entry &entry);
 
     std::vector<Vertex> vertices_;
     std::vector<std::vector<int>> stars_;
@@ -213,6 +230,7 @@ class TetComplex {
     std::size_t alive_count_ = 0;
     double total_ = 0.0;
     std::vector<Entry> journal_;
+    std::vector<SurfaceHints> old_hints_; // of the facets whose hints were set, or that were removed, in that order
     std::vector<Mark> marks_;
 };
 

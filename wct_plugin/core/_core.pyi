@@ -336,7 +336,7 @@ def read_reals(text: bytes, head: bytes = b'', stop: bytes = b'', start: int = 0
 def read_integers(text: bytes, head: bytes = b'', stop: bytes = b'', start: int = 0, lines: int | None = None) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], int, bool]:
     """The same of whole numbers; these may have a point and an exponent."""
 
-def search_well_centered(mesh: wct_plugin.core.domain.StratifiedMesh, surface: wct_plugin.core.domain.StratifiedSurface, options: wct_plugin.core.requests.SearchOptions, progress: Callable[[str, float, int], Any] | None = None) -> wct_plugin.core.results.SearchResult:
+def search_well_centered(mesh: wct_plugin.core.domain.StratifiedMesh, surface: wct_plugin.core.domain.StratifiedSurface, options: wct_plugin.core.requests.SearchOptions, progress: Callable[[str, float, int], Any] | None = None, threads: int = 0) -> wct_plugin.core.results.SearchResult:
     """
     Reconnect and move by local search until all tets contain their circumcenter, and facets are acute.
 
@@ -358,6 +358,8 @@ def search_well_centered(mesh: wct_plugin.core.domain.StratifiedMesh, surface: w
     progress
         ``progress(phase, done, bad)`` hears the done fraction of the phase and the number of tets that miss the goal; it
         returns something false other than None to stop.
+    threads
+        To work on; 0 as many as OMP_NUM_THREADS says, or there are cores. The same bits come out whatever it is.
 
     Returns
     -------

@@ -35,6 +35,17 @@ TEST_CASE("LandmarkOwners: an owner's list has what was handed to it and not on,
             REQUIRE(found == wanted[owner]);
         }
     }
+    for (int step = 0; step < 100; ++step) { // and back to its place
+        const int l = static_cast<int>(random.below(landmarks)), from = lists.owner(l), after = lists.previous(l);
+        lists.disown(l, first[from]);
+        lists.own(l, from, first[from], after);
+        std::vector<int> found;
+        for (int k = first[from]; k >= 0; k = lists.next(k)) {
+            REQUIRE(lists.previous(k) == (found.empty() ? -1 : found.back()));
+            found.push_back(k);
+        }
+        REQUIRE(found == wanted[from]);
+    }
     CHECK(lists.count() == landmarks);
     lists.clear();
     CHECK(lists.count() == 0);

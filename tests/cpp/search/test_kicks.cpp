@@ -1,5 +1,6 @@
 #include "search/kicks.h"
 
+#include "search/sweeps.h"
 #include "support/bench.h"
 #include "support/state.h"
 
@@ -9,22 +10,37 @@ namespace wct::tests {
 
 namespace {
 
-/// A bench with what kicks are made of.
-struct KickBench : Bench {
-    explicit KickBench(Body made, std::uint64_t seed)
-        : Bench(std::move(made)), random(seed), repair(complex, energy, operators, descent, group, random),
-          kicks(complex, energy, operators, descent, watch, repair, random) {}
+/// A body on a workbench, with what tries changes of it on so many threads.
+struct KickBench {
+    explicit KickBench(Body made, std::uint64_t seed, unsigned threads = 1)
+        : body(std::move(made)), complex(complex_of(body)), guide(guide_of(body, 0.02, 0.125 * body.size)),
+          random(seed), bench(complex, guide, search_form(), options, false), crew(bench, guide, options),
+          sweeps(crew, random), kicks(crew, random) {
+        options.workers = Workers(threads);
+        bench.watch.begin();
+        for (std::size_t t = 0; t < complex.tet_slots(); ++t)
+            complex.set_energy(static_cast<int>(t), bench.energy.of_present(complex, complex.tet(static_cast<int>(t))));
+        complex.resum();
+    }
+    KickBench(const KickBench &) = delete;
+    KickBench &operator=(const KickBench &) = delete;
 
     std::vector<int> bad() const {
         std::vector<int> out;
         for (std::size_t t = 0; t < complex.tet_slots(); ++t)
-            if (complex.alive(static_cast<int>(t)) && energy.bad(complex.energy(static_cast<int>(t))))
+            if (complex.alive(static_cast<int>(t)) && bench.energy.bad(complex.energy(static_cast<int>(t))))
                 out.push_back(static_cast<int>(t));
         return out;
     }
 
+    Body body;
+    search::TetComplex complex;
+    search::SurfaceGuide guide;
+    search::SearchOptions options;
     Random random;
-    search::Repair repair;
+    search::Workbench bench;
+    search::Crew crew;
+    search::Sweeps sweeps;
     search::Kicks kicks;
 };
 
@@ -37,7 +53,7 @@ TEST_CASE("Repair: a pass lowers the energy and leaves a mesh") {
         const std::size_t bad = bench.bad().size();
         REQUIRE(bad > 50);
         for (int pass = 0; pass < 2; ++pass) {
-            bench.repair.pass(search::Repair::recipes[recipe], bench.bad());
+            bench.bench.repair.pass(search::Repair::recipes[recipe], bench.bad());
             bench.complex.resum();
             CHECK(bench.complex.total() < before);
             before = bench.complex.total();
@@ -54,12 +70,12 @@ TEST_CASE("Kicks: what is not allowed is taken back, what is allowed stays") {
     bench.kicks.restart();
     const State before(bench.complex);
     int asked = 0;
-    bench.kicks.allowed = [&] {
+    bench.kicks.allowed = [&](const search::Workbench &) {
         ++asked;
         return false;
     };
     for (int k = 0; k < 20; ++k)
-        CHECK_FALSE(bench.kicks.once());
+        CHECK_FALSE(bench.kicks.once().better);
     CHECK(asked > 0);
     CHECK(difference(before, State(bench.complex)) == "");
     bench.kicks.allowed = nullptr;
@@ -68,25 +84,26 @@ TEST_CASE("Kicks: what is not allowed is taken back, what is allowed stays") {
     CHECK(difference(before, State(bench.complex)) != "");
 }
 
-TEST_CASE("Repair: good tets are left alone, and so is what was tried in vain until something changes near it") {
+TEST_CASE("Sweeps: good tets are left alone, and so is what was tried in vain until something changes near it") {
     KickBench bench(cube(3, 0.3, 12), 1);
     std::vector<int> good;
     for (std::size_t t = 0; t < bench.complex.tet_slots(); ++t)
-        if (const int k = static_cast<int>(t); bench.complex.alive(k) && !bench.energy.bad(bench.complex.energy(k)))
+        if (const int k = static_cast<int>(t);
+            bench.complex.alive(k) && !bench.bench.energy.bad(bench.complex.energy(k)))
             good.push_back(k);
     const State untouched(bench.complex);
-    bench.repair.pass(search::Repair::recipes[2], good);
+    bench.sweeps.run(2, good);
     CHECK(difference(untouched, State(bench.complex)) == "");
 
     for (int pass = 0; pass < 40; ++pass)
-        bench.repair.pass_changed(0, bench.bad());
+        bench.sweeps.run(0, bench.bad());
     const State still(bench.complex);
-    const long evaluations = bench.energy.evaluations();
-    bench.repair.pass_changed(0, bench.bad());
+    const long evaluations = bench.bench.energy.evaluations();
+    bench.sweeps.run(0, bench.bad());
     CHECK(difference(still, State(bench.complex)) == "");
-    CHECK(bench.energy.evaluations() == evaluations); // not even tried
-    bench.repair.pass_changed(1, bench.bad());        // by this recipe they were not
-    CHECK(bench.energy.evaluations() > evaluations);
+    CHECK(bench.bench.energy.evaluations() == evaluations); // not even tried
+    bench.sweeps.run(1, bench.bad());                       // by this recipe they were not
+    CHECK(bench.bench.energy.evaluations() > evaluations);
 }
 
 TEST_CASE("Repair: where a facet is beyond the tolerance, its vertex that is nearest goes to the farthest place") {
@@ -139,8 +156,8 @@ TEST_CASE("Repair: flips round vertices lower the energy, and random operators m
     std::vector<int> vertices;
     for (std::size_t v = 0; v < bench.complex.vertex_slots(); ++v)
         vertices.push_back(static_cast<int>(v));
-    bench.operators.touched.clear();
-    bench.repair.flip_round(vertices);
+    bench.bench.operators.touched.clear();
+    bench.bench.repair.flip_round(vertices);
     bench.complex.resum();
     CHECK(bench.complex.total() < before);
     CHECK(fault(bench.complex) == "");
@@ -149,7 +166,7 @@ TEST_CASE("Repair: flips round vertices lower the energy, and random operators m
         const std::vector<int> bad = bench.bad();
         REQUIRE_FALSE(bad.empty());
         const double was = bench.complex.total();
-        done += bench.repair.random_operator(bad[static_cast<std::size_t>(k) % bad.size()], 4.0);
+        done += bench.bench.repair.random_operator(bad[static_cast<std::size_t>(k) % bad.size()], 4.0);
         raised += bench.complex.total() > was + 0.1;
         REQUIRE(fault(bench.complex) == "");
     }
@@ -160,7 +177,7 @@ TEST_CASE("Repair: flips round vertices lower the energy, and random operators m
 TEST_CASE("Kicks: a kick that is not kept leaves every bit, one that is leaves a mesh that is not worse") {
     KickBench bench(ball(4, 0.2, 14), 3);
     for (int pass = 0; pass < 3; ++pass)
-        bench.repair.pass(search::Repair::recipes[1], bench.bad());
+        bench.bench.repair.pass(search::Repair::recipes[1], bench.bad());
     bench.kicks.restart();
     REQUIRE(bench.kicks.bad() > 3);
     constexpr double equal = 0.02 + 1e-9; // what a kick may raise the energy by
@@ -169,7 +186,7 @@ TEST_CASE("Kicks: a kick that is not kept leaves every bit, one that is leaves a
         const State before(bench.complex);
         const int bad = bench.kicks.bad(), over = bench.complex.over_count();
         const bool tried = bench.kicks.tried();
-        const bool won = bench.kicks.once();
+        const bool won = bench.kicks.once().better;
         const std::string moved = difference(before, State(bench.complex));
         CHECK(bench.kicks.bad() == static_cast<int>(bench.bad().size()));
         CHECK(bench.complex.over_count() <= over);

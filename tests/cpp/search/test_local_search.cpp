@@ -75,6 +75,28 @@ TEST_CASE("LocalSearch: the same start and seed give the same bits, another seed
     CHECK(difference(State(first.complex), State(searched(start_of(body), body, 0.02, options).complex)) != "");
 }
 
+TEST_CASE("LocalSearch: any number of threads gives the same bits, and says that the same was done") {
+    long kicks = 0;
+    for (const Body &body : {cube(6, 0.2, 4, 0.5), ball(5, 0.1, 3)}) {
+        search::SearchOptions options = quick();
+        options.volumes = volumes(complex_of(body));
+        const Start start = resampled(body, 0.02, 2);
+        const Searched alone = searched(start, body, 0.02, options);
+        kicks += alone.outcome.kicks;
+        for (const unsigned threads : {2u, 7u}) {
+            options.workers = Workers(threads);
+            const Searched together = searched(start, body, 0.02, options);
+            CHECK(difference(State(alone.complex), State(together.complex)) == "");
+            CHECK(together.outcome.stuck == alone.outcome.stuck);
+            CHECK(together.outcome.kicks == alone.outcome.kicks);
+            CHECK(together.outcome.accepted == alone.outcome.accepted);
+            CHECK(together.outcome.evaluations == alone.outcome.evaluations);
+            CHECK(together.outcome.work == alone.outcome.work);
+        }
+    }
+    CHECK(kicks > 10);
+}
+
 TEST_CASE("LocalSearch: a fixed surface keeps every facet, and no more tets come than may") {
     const Body body = cube(3, 0.3, 5);
     search::SearchOptions options = quick();

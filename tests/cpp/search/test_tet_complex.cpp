@@ -21,7 +21,7 @@ class Editor {
     Editor(TetComplex &complex, Random &random) : complex_(complex), random_(random) {}
 
     void edit() {
-        switch (random_.below(10)) {
+        switch (random_.below(12)) {
         case 0:
             complex_.add_vertex({random_.normal3(), Stratum::interior, -1, random_.uniform(), 0.9});
             break;
@@ -49,6 +49,16 @@ class Editor {
         case 8:
             if (const auto key = any_facet())
                 complex_.set_over(*key, random_.coin() ? 0.0 : random_.uniform());
+            break;
+        case 9:
+            complex_.set_hint(any_vertex(), random_.below(100));
+            break;
+        case 10:
+            if (const auto key = any_facet()) {
+                search::SurfaceHints hints;
+                hints.fill(random_.below(100));
+                complex_.set_hints(*key, hints);
+            }
             break;
         default:
             edit_crease();
@@ -166,6 +176,26 @@ TEST_CASE("TetComplex: rollback gives back every bit, whatever was changed and h
             REQUIRE(difference(marks.back(), State(complex)) == "");
             marks.pop_back();
         }
+    }
+}
+
+TEST_CASE("TetComplex: after a rollback the same edits lead to the same bits as if nothing had been") {
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        TetComplex complex = edited_cube();
+        Random before(seed);
+        for (int k = 0; k < 30; ++k)
+            Editor(complex, before).edit();
+        TetComplex other = complex;
+        complex.mark();
+        for (int k = 0; k < 60; ++k)
+            Editor(complex, before).edit();
+        complex.rollback();
+        Random first(seed + 100), second(seed + 100);
+        for (int k = 0; k < 60; ++k) {
+            Editor(complex, first).edit();
+            Editor(other, second).edit();
+        }
+        REQUIRE(difference(State(complex), State(other)) == "");
     }
 }
 

@@ -122,12 +122,11 @@ std::string landmarks_fault(const State &state) {
 } // namespace
 
 State::State(const TetComplex &complex)
-    : count(complex.tets()), total(complex.total()), over_count(complex.over_count()) {
+    : count(complex.tets()), slots(complex.tet_slots()), total(complex.total()), over_count(complex.over_count()) {
     for (std::size_t k = 0; k < complex.vertex_slots(); ++k) {
         const search::Vertex &v = complex.vertex(static_cast<int>(k));
-        std::vector<int> star = complex.star(static_cast<int>(k));
-        std::sort(star.begin(), star.end());
-        vertices.push_back({v.position, v.stratum, v.label, v.size, v.needle, std::move(star)});
+        vertices.push_back(
+            {v.position, v.stratum, v.label, v.size, v.needle, v.hint, complex.star(static_cast<int>(k))});
     }
     for (const int t : living(complex))
         tets.push_back({t, complex.region(t), complex.tet(t), complex.energy(t)});
@@ -135,11 +134,38 @@ State::State(const TetComplex &complex)
         std::vector<int> landmarks;
         for (int l = complex.facet(key).landmark; l >= 0; l = complex.next_landmark(l))
             landmarks.push_back(l);
-        std::sort(landmarks.begin(), landmarks.end());
-        facets.push_back({key, patch, complex.over(key), std::move(landmarks)});
+        facets.push_back({key, patch, complex.over(key), complex.facet(key).hints, std::move(landmarks)});
     }
     creases.assign(complex.creases().begin(), complex.creases().end());
     std::sort(creases.begin(), creases.end());
+}
+
+Content::Content(const TetComplex &complex) {
+    const auto placed = [&](const auto &cell, std::vector<double> known) {
+        std::vector<std::array<double, 3>> corners;
+        for (const int v : cell)
+            corners.push_back({complex.point(v).x, complex.point(v).y, complex.point(v).z});
+        std::sort(corners.begin(), corners.end());
+        std::vector<double> out;
+        for (const auto &corner : corners)
+            out.insert(out.end(), corner.begin(), corner.end());
+        out.insert(out.end(), known.begin(), known.end());
+        return out;
+    };
+    for (const int t : living(complex))
+        tets.push_back(placed(complex.tet(t), {static_cast<double>(complex.region(t)), complex.energy(t)}));
+    for (const State::OfFacet &facet : State(complex).facets) {
+        std::vector<double> known{static_cast<double>(facet.patch), facet.over};
+        known.insert(known.end(), facet.hints.begin(), facet.hints.end());
+        std::vector<double> landmarks(facet.landmarks.begin(), facet.landmarks.end());
+        std::sort(landmarks.begin(), landmarks.end());
+        known.insert(known.end(), landmarks.begin(), landmarks.end());
+        facets.push_back(placed(facet.key, known));
+    }
+    for (const auto &[edge, curve] : complex.creases())
+        creases.push_back(placed(edge, {static_cast<double>(curve)}));
+    for (auto *cells : {&tets, &facets, &creases})
+        std::sort(cells->begin(), cells->end());
 }
 
 std::string difference(const State &before, const State &after) {

@@ -8,7 +8,7 @@
 
 namespace wct::tests {
 
-/// All that a TetComplex holds, but for what is in no journal: hints, the order of stars and of a facet's landmarks.
+/// All that a TetComplex holds, but for which slots are free: stars and landmarks in their order, hints too.
 struct State {
     struct OfTet {
         int slot, region;
@@ -20,6 +20,7 @@ struct State {
         Facet key;
         int patch;
         double over;
+        search::SurfaceHints hints;
         std::vector<int> landmarks;
         bool operator==(const OfFacet &) const = default;
     };
@@ -28,6 +29,7 @@ struct State {
         Stratum stratum;
         int label;
         double size, needle;
+        std::int32_t hint;
         std::vector<int> star;
         bool operator==(const OfVertex &) const = default;
     };
@@ -35,7 +37,7 @@ struct State {
     std::vector<OfTet> tets;
     std::vector<OfFacet> facets;
     std::vector<std::pair<Edge, int>> creases;
-    std::size_t count;
+    std::size_t count, slots;
     double total;
     int over_count;
 
@@ -45,6 +47,15 @@ struct State {
 
 /// Where two states differ first; empty where they are the same bits.
 std::string difference(const State &before, const State &after);
+
+/// What a mesh is, whatever its vertices and tets are numbered: the corners of tets, facets and creases by their
+/// places, ascending, each followed by what else is known of it.
+struct Content {
+    std::vector<std::vector<double>> tets, facets, creases;
+
+    explicit Content(const search::TetComplex &complex);
+    bool operator==(const Content &) const = default;
+};
 
 /// What is wrong with a complex, found from its tets alone; empty where it is sound. Tets are positive, stars list
 /// them, a facet is of one tet or of two that see it from opposite sides, one of a single tet or between two regions is
