@@ -7,20 +7,27 @@
 
 namespace wct::search {
 
-namespace {
+/// What the journal names, each once, and of cells that come and go whether they were there at first.
+struct TetComplex::Noted {
+    std::vector<int> moved, hinted;  // vertices
+    std::vector<int> gone, measured; // tets
+    std::set<int> fresh;             // tets
+    std::map<Facet, bool> facets;    // whether there at first
+    std::map<Edge, bool> creases;    // the same
+    std::vector<int> landmarks;      // handed on
+    std::vector<int> place;          // of new vertices among those that are left, or -1
+    int first_vertex = 0;
 
-/// Of cells that come and go, whether each was there at first.
-template <class Key> using WasThere = std::map<Key, bool>;
+    /// A cell of vertices as a MeshChange numbers them.
+    template <class Cell> Cell numbered(Cell cell) const {
+        for (int &v : cell)
+            v = v < first_vertex ? v : place[static_cast<std::size_t>(v - first_vertex)];
+        return cell;
+    }
+};
 
-} // namespace
-
-MeshChange TetComplex::change() const {
-    MeshChange out;
-    std::vector<int> moved, hinted, measured;
-    std::set<int> fresh; // tets
-    WasThere<Facet> facets;
-    WasThere<Edge> creases;
-    std::vector<int> landmarks;
+TetComplex::Noted TetComplex::noted() const {
+    Noted out;
     int added = 0;
     for (const Entry &entry : journal_) {
         switch (entry.kind) {
@@ -28,99 +35,108 @@ MeshChange TetComplex::change() const {
             ++added;
             break;
         case Kind::moved:
-            moved.push_back(entry.index);
+            out.moved.push_back(entry.index);
             break;
         case Kind::set_hint:
-            hinted.push_back(entry.index);
+            out.hinted.push_back(entry.index);
             break;
         case Kind::added_tet:
-            fresh.insert(entry.index);
+            out.fresh.insert(entry.index);
             break;
         case Kind::removed_tet:
-            if (!fresh.contains(entry.index))
-                out.gone_tets.push_back(entry.index);
+            if (!out.fresh.contains(entry.index))
+                out.gone.push_back(entry.index);
             break;
         case Kind::set_energy:
-            measured.push_back(entry.index);
+            out.measured.push_back(entry.index);
             break;
         case Kind::added_facet:
-            facets.try_emplace(facet_of(entry), false);
+            out.facets.try_emplace(facet_of(entry), false);
             break;
         case Kind::removed_facet:
         case Kind::set_over:
         case Kind::set_hints:
-            facets.try_emplace(facet_of(entry), true);
+            out.facets.try_emplace(facet_of(entry), true);
             break;
         case Kind::handed_landmark:
-            landmarks.push_back(entry.index);
+            out.landmarks.push_back(entry.index);
             break;
         case Kind::added_crease:
-            creases.try_emplace(crease_of(entry), false);
+            out.creases.try_emplace(crease_of(entry), false);
             break;
         case Kind::removed_crease:
-            creases.try_emplace(crease_of(entry), true);
+            out.creases.try_emplace(crease_of(entry), true);
             break;
         }
     }
     out.first_vertex = static_cast<int>(vertices_.size()) - added;
-    for (std::vector<int> *each : {&moved, &hinted, &measured, &landmarks})
+    for (std::vector<int> *each : {&out.moved, &out.hinted, &out.measured, &out.landmarks})
         sort_unique(*each);
+    return out;
+}
 
-    std::vector<int> place(static_cast<std::size_t>(added), -1); // of new vertices, without those that are gone again
-    for (int k = 0; k < added; ++k)
-        if (const int v = out.first_vertex + k; used(v)) {
-            place[k] = out.first_vertex + static_cast<int>(out.vertices.size());
+MeshChange TetComplex::change() const {
+    MeshChange out;
+    Noted found = noted();
+    out.first_vertex = found.first_vertex;
+    for (int v = out.first_vertex; v < static_cast<int>(vertices_.size()); ++v) {
+        found.place.push_back(used(v) ? out.first_vertex + static_cast<int>(out.vertices.size()) : -1);
+        if (used(v))
             out.vertices.push_back(vertices_[v]);
+    }
+    for (const int v : found.moved)
+        if (v < out.first_vertex) {
+            out.moved.push_back({v, vertices_[v].position});
+            out.touched.push_back(v);
         }
-    const auto numbered = [&](auto cell) {
-        for (int &v : cell)
-            v = v < out.first_vertex ? v : place[v - out.first_vertex];
-        return cell;
-    };
+    for (const int v : found.hinted)
+        if (v < out.first_vertex)
+            out.hints.push_back({v, vertices_[v].hint});
+    for (const int l : found.landmarks)
+        out.landmarks.push_back({l, found.numbered(landmarks_.owner(l))});
+    change_tets(found, out);
+    change_surface(found, out);
+    sort_unique(out.touched);
+    return out;
+}
+
+void TetComplex::change_tets(const Noted &found, MeshChange &out) const {
     const auto touch = [&](int t) {
         for (const int v : tets_[t])
             if (v < out.first_vertex)
                 out.touched.push_back(v);
     };
-    for (const int v : moved)
-        if (v < out.first_vertex) {
-            out.moved.push_back({v, vertices_[v].position});
-            out.touched.push_back(v);
-        }
-    for (const int v : hinted)
-        if (v < out.first_vertex)
-            out.hints.push_back({v, vertices_[v].hint});
-    for (const int t : out.gone_tets)
+    out.gone_tets = found.gone;
+    for (const int t : found.gone)
         touch(t);
-    for (const int t : fresh)
+    for (const int t : found.fresh)
         if (alive(t))
-            out.tets.push_back({numbered(tets_[t]), regions_[t], energies_[t]});
-    for (const int t : measured)
-        if (alive(t) && !fresh.contains(t)) {
+            out.tets.push_back({found.numbered(tets_[t]), regions_[t], energies_[t]});
+    for (const int t : found.measured)
+        if (alive(t) && !found.fresh.contains(t)) {
             out.energies.push_back({t, energies_[t]});
             touch(t);
         }
-    for (const auto &[key, was_there] : facets) {
-        const auto found = surface_.find(key);
-        if (found == surface_.end()) {
-            if (was_there)
-                out.gone_facets.push_back(key);
-            continue;
+}
+
+void TetComplex::change_surface(const Noted &found, MeshChange &out) const {
+    for (const auto &[key, was_there] : found.facets) {
+        const auto at = surface_.find(key);
+        if (at != surface_.end()) {
+            const SurfaceFacet &facet = at->second;
+            (was_there ? out.kept_facets : out.facets)
+                .push_back({found.numbered(key), facet.patch, facet.over, facet.hints});
+        } else if (was_there) {
+            out.gone_facets.push_back(key);
         }
-        const SurfaceFacet &facet = found->second;
-        (was_there ? out.kept_facets : out.facets).push_back({numbered(key), facet.patch, facet.over, facet.hints});
     }
-    for (const int l : landmarks)
-        out.landmarks.push_back({l, numbered(landmarks_.owner(l))});
-    for (const auto &[key, was_there] : creases) {
-        const auto found = creases_.find(key);
-        if (found != creases_.end())
-            out.creases.push_back({numbered(key), found->second});
+    for (const auto &[key, was_there] : found.creases) {
+        const auto at = creases_.find(key);
+        if (at != creases_.end())
+            out.creases.push_back({found.numbered(key), at->second});
         else if (was_there)
             out.gone_creases.push_back(key);
     }
-    sort_unique(out.touched);
-    return out;
 }
 
 void TetComplex::apply(const MeshChange &change) {

@@ -213,6 +213,11 @@ class TetComplex {
     /// The same at these places, which unlink gave.
     void link(int t, const std::array<int, 4> &places);
     void undo(const Entry &entry);
+    /// What the journal tells, for change().
+    struct Noted;
+    Noted noted() const;
+    void change_tets(const Noted &found, MeshChange &out) const;
+    void change_surface(const Noted &found, MeshChange &out) const;
 
     std::vector<Vertex> vertices_;
     std::vector<std::vector<int>> stars_;

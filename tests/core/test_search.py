@@ -11,6 +11,7 @@ from support.searching import arguments, bad, check_valid, rows, search
 
 from wct_plugin.core import _core
 from wct_plugin.core.domain import StratifiedMesh
+from wct_plugin.core.requests import SearchOptions
 from wct_plugin.core.results import SearchResult
 from wct_plugin.measure import quality
 from wct_plugin.measure.deviation import measure_deviation
@@ -156,6 +157,20 @@ def test_the_same_bits_twice():
         for field in fields(result):
             if field.name != "mesh":
                 assert np.array_equal(getattr(one, field.name), getattr(other, field.name)), field.name
+
+
+@pytest.mark.parametrize("mesh", [jittered_cube(3, 0), ball(3)])
+def test_any_number_of_threads_gives_the_same_bits(mesh):
+    of, on = arguments(mesh)
+    options = SearchOptions(tolerance=0.05, passes=6, kicks=100)
+    runs = [_core.search_well_centered(of, on, options, threads=threads) for threads in (1, 2, 5)]
+    assert runs[0].kicks > 5
+    for run in runs[1:]:
+        for one in fields(StratifiedMesh):
+            assert np.array_equal(getattr(runs[0].mesh, one.name), getattr(run.mesh, one.name))
+        assert np.array_equal(runs[0].stuck, run.stuck)
+        for name in ("bad", "beyond", "passes", "kicks", "accepted", "evaluations", "work"):
+            assert getattr(runs[0], name) == getattr(run, name)
 
 
 def test_the_input_stays_as_it_is():

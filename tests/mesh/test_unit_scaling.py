@@ -64,6 +64,8 @@ def optimized(name, by):
     return np.ldexp(better.points, -by), better.tets, better.point_data["heat"], metrics
 
 
+# Spheres as coarse as these bend their edges and change their volume a little with most seeds, and say so.
+@pytest.mark.filterwarnings("ignore::wct_plugin.errors.WctWarning")
 @pytest.mark.parametrize("name", MESHES)
 def test_a_power_of_two_changes_no_bit(name):
     points, tets, heat, metrics = optimized(name, 0)

@@ -17,34 +17,40 @@ def stray_circumcenters(mesh: TetMesh) -> Bools:
     """(m,) the tets from whose centroid the straight way to their circumcenter crosses the boundary.
 
     Of a convex domain these are exactly the tets with their circumcenter outside. For each region by itself pass what
-    :func:`wct_plugin.mesh.region_parts.apart` gives. All ways are followed at once, from tet to tet.
+    :func:`wct_plugin.mesh.region_parts.apart` gives. The ways of many tets are followed at once, from tet to tet.
     """
-    points, tets, adjacency = unit_scaling.normalized(mesh.points), mesh.tets, mesh.topology.adjacency
-    beyond_facet, flat = np.empty((2, len(tets)), dtype=bool)
+    points, tets = unit_scaling.normalized(mesh.points), mesh.tets
+    stray = np.zeros(len(tets), dtype=bool)
     for start in range(0, len(tets), _BLOCK):
         block = slice(start, start + _BLOCK)
         heights, errors = compiled_quality.heights(points, tets[block])
-        beyond_facet[block], flat[block] = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
-    walking = np.flatnonzero(beyond_facet | flat)
-    starts = points[tets[walking]].mean(axis=1)
-    ways = quality.circumcenters(points, tets[walking]) - starts
-    endless = ~np.isfinite(ways).all(axis=1)
-    stray = np.zeros(len(tets), dtype=bool)
-    stray[walking[endless]] = True
-    on = beyond_facet[walking] & ~endless
-    walking, starts, ways = walking[on], starts[on], ways[on]
-    here, came_from = walking, np.full(len(walking), -1)
+        beyond_facet, flat = (heights < -errors).any(axis=1), np.isinf(errors).any(axis=1)
+        away = start + np.flatnonzero(beyond_facet | flat)
+        starts = points[tets[away]].mean(axis=1)
+        ways = quality.circumcenters(points, tets[away]) - starts
+        endless = ~np.isfinite(ways).all(axis=1)
+        stray[away[endless]] = True
+        on = beyond_facet[away - start] & ~endless
+        stray[away[on]] = _leaving(mesh, points, away[on], starts[on], ways[on])
+    return stray
+
+
+def _leaving(mesh: TetMesh, points: Floats, first: Ints, starts: Floats, ways: Floats) -> Bools:
+    """(k,) the ``ways`` (k, 3) from ``starts`` in the tets ``first`` that cross the boundary."""
+    tets, adjacency = mesh.tets, mesh.topology.adjacency
+    leaving = np.zeros(len(first), dtype=bool)
+    way, here, came_from = np.arange(len(first)), first, np.full(len(first), -1)
     for _ in range(len(tets)):  # a straight line crosses a tet once
-        if not len(walking):
+        if not len(way):
             break
         entered = (adjacency[here] == came_from[:, None]) & (came_from[:, None] >= 0)
-        facet, part = _way_out(points[tets[here]], starts, ways, entered)
+        facet, part = _way_out(points[tets[here]], starts[way], ways[way], entered)
         beyond = adjacency[here, facet]
         on = part < 1.0 - _ROUNDING
-        stray[walking[on & (beyond < 0)]] = True
+        leaving[way[on & (beyond < 0)]] = True
         on &= beyond >= 0
-        walking, starts, ways, here, came_from = walking[on], starts[on], ways[on], beyond[on], here[on]
-    return stray
+        way, here, came_from = way[on], beyond[on], here[on]
+    return leaving
 
 
 def _way_out(corners: Floats, starts: Floats, ways: Floats, entered: Bools) -> tuple[Ints, Floats]:
