@@ -7,7 +7,7 @@
 namespace wct::search {
 
 namespace {
-constexpr std::size_t kBatch = 8;
+constexpr std::size_t kBatch = 16;
 constexpr double kNear =
     5.0; // in sizes: kicks so near each other would hardly both be kept, farther ones nearly always
 constexpr double kFewer = 0.1; // what a bad tet less lowers the energy by at least
