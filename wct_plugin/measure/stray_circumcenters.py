@@ -24,8 +24,8 @@ def stray_circumcenters(mesh: TetMesh) -> Bools:
     for start in range(0, len(tets), _BLOCK):
         block = slice(start, start + _BLOCK)
         heights, errors = compiled_quality.heights(points, tets[block])
-        beyond_facet: Bools = (heights < -errors).any(axis=1)
-        flat: Bools = np.isinf(errors).any(axis=1)
+        beyond_facet: Bools = np.any(heights < -errors, axis=1)
+        flat: Bools = np.any(np.isinf(errors), axis=1)
         away = start + np.flatnonzero(beyond_facet | flat)
         starts = points[tets[away]].mean(axis=1)
         ways = quality.circumcenters(points, tets[away]) - starts
