@@ -1,5 +1,7 @@
 #include "search/crew.h"
 
+#include <algorithm>
+
 namespace wct::search {
 
 void Crew::gather(std::size_t tries) {
@@ -10,17 +12,19 @@ void Crew::gather(std::size_t tries) {
                               [&](std::size_t k) { helpers_[k] = std::make_unique<Helper>(*this); });
 }
 
-void Crew::apply(const MeshChange &change, std::vector<int> &changed) {
-    own_.complex.mark();
-    own_.complex.apply(change);
-    own_.complex.changed(changed);
-    WCT_CHECK(own_.complex.checks.did("apply");)
-    own_.complex.commit();
-    for (const auto &helper : helpers_) {
-        helper->copy.mark();
+bool Crew::reached(int tet, const Attempt &attempt) const {
+    const auto claimed = [this](int v) { return static_cast<std::size_t>(v) < claims_.size() && claims_[v] == batch_; };
+    return std::ranges::any_of(mesh().tet(tet), claimed) ||
+           (attempt.change && std::ranges::any_of(attempt.change->touched, claimed));
+}
+
+std::vector<int> Crew::keep(const MeshChange &change) {
+    claims_.resize(mesh().vertex_slots(), 0);
+    for (const int v : change.touched)
+        claims_[v] = batch_;
+    for (const auto &helper : helpers_)
         helper->copy.apply(change);
-        helper->copy.commit();
-    }
+    return own_.complex.apply(change);
 }
 
 void Crew::resum() {

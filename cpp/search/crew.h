@@ -2,7 +2,6 @@
 
 #include "search/workbench.h"
 
-#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -20,23 +19,28 @@ class Crew {
 
     /// The mesh, which nothing but `apply` may change from now on, will be tried to change about so many times.
     void gather(std::size_t tries);
-    /// attempts[k] = tried(bench, k) for each of them, on any thread.
+    /// A batch: attempts[k] = tried(bench, k) for each of them, on any thread.
     template <class Try> void run(std::vector<Attempt> &attempts, const Try &tried);
-    /// Do the change to all copies; `changed`: tets added, removed or measured anew.
-    void apply(const MeshChange &change, std::vector<int> &changed);
-    /// Recompute the sum of energies, as of TetComplex.
-    void resum();
+    /// Whether what was kept of this batch changed anything at the tet tried, or at what came of it.
+    bool reached(int tet, const Attempt &attempt) const;
     /// Whether as many tets more may come.
     bool has_room(const MeshChange &change) const {
-        return change.growth() <= 0 ||
-               static_cast<std::size_t>(change.growth()) <= options_.most - std::min(options_.most, mesh().tets());
+        return own_.operators.has_room(change.gone_tets.size(), change.tets.size());
     }
+    /// Keep the change: do it to all copies. Returns the tets added, removed or measured anew.
+    std::vector<int> keep(const MeshChange &change);
+    /// The attempt counts, and so does what it took.
+    void count(const Attempt &attempt) { spent_ += attempt.spent; }
+    /// Recompute the sum of energies, as of TetComplex.
+    void resum();
 
     const TetComplex &mesh() const { return own_.complex; }
-    Workbench &own() { return own_; }
     const Workbench &own() const { return own_; }
-    /// What was spent on attempts on the mesh itself, rather than a copy.
-    const Spent &spent() const { return spent_; }
+    /// All that counts, as it would be spent by one thread.
+    Spent spent() const {
+        Spent sum = own_.spent();
+        return sum += spent_;
+    }
 
   private:
     struct Helper {
@@ -51,7 +55,9 @@ class Crew {
     const SurfaceGuide &guide_;
     const SearchOptions &options_;
     std::vector<std::unique_ptr<Helper>> helpers_;
-    Spent spent_;
+    Spent spent_; // on attempts that count, less all those on the mesh itself
+    int batch_ = 0;
+    std::vector<int> claims_; // by vertex: the last batch of which something was kept that touched it
 };
 
 template <class Try> void Crew::run(std::vector<Attempt> &attempts, const Try &tried) {
@@ -69,13 +75,14 @@ template <class Try> void Crew::run(std::vector<Attempt> &attempts, const Try &t
         const std::lock_guard lock(guard);
         idle.push_back(bench);
     };
+    ++batch_;
     const Workers workers(static_cast<unsigned>(idle.size()));
     const Spent before = own_.spent();
     workers.for_each(attempts.size(), 1, [&](std::size_t k) {
         const std::unique_ptr<Workbench, decltype(give_back)> bench(take(), give_back);
         attempts[k] = tried(*bench, k);
     });
-    spent_ += own_.spent() - before;
+    spent_ += before - own_.spent();
 }
 
 } // namespace wct::search

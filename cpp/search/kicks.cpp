@@ -8,8 +8,7 @@ namespace wct::search {
 
 namespace {
 constexpr std::size_t kBatch = 16;
-constexpr double kNear =
-    5.0; // in sizes: kicks so near each other would hardly both be kept, farther ones nearly always
+constexpr double kNear = 5.0;  // in sizes: of kicks so near each other hardly two would be kept
 constexpr double kFewer = 0.1; // what a bad tet less lowers the energy by at least
 } // namespace
 
@@ -60,17 +59,11 @@ void Kicks::try_all() {
     });
     kept_.assign(tasks_.size(), 0);
     any_kept_ = false;
-    ++batch_;
     next_ = 0;
 }
 
-bool Kicks::reached(std::size_t k) const {
-    if (kept_[tasks_[k].place] || (allowed && any_kept_))
-        return true;
-    const Tet &tet = crew_.mesh().tet(tasks_[k].tet);
-    const auto there = [this](int v) { return claimed(v); };
-    return std::any_of(tet.begin(), tet.end(), there) ||
-           (attempts_[k].change && std::ranges::any_of(attempts_[k].change->touched, there));
+bool Kicks::counts(std::size_t k) const {
+    return !kept_[tasks_[k].place] && !(allowed && any_kept_) && !crew_.reached(tasks_[k].tet, attempts_[k]);
 }
 
 void Kicks::advance() {
@@ -79,7 +72,7 @@ void Kicks::advance() {
             choose();
             try_all();
         }
-        if (!reached(next_))
+        if (counts(next_))
             return;
         kept_[tasks_[next_].place] |= attempts_[next_].change.has_value();
         queue_.not_tried(tasks_[next_].tet);
@@ -93,13 +86,8 @@ bool Kicks::tried() {
 
 void Kicks::keep(std::size_t k, bool better) {
     const Task &task = tasks_[k];
-    const MeshChange &change = *attempts_[k].change;
-    claims_.resize(crew_.mesh().vertex_slots(), 0);
-    for (const int v : change.touched)
-        claims_[v] = batch_;
     any_kept_ = true;
-    crew_.apply(change, changed_);
-    queue_.update(changed_, better ? task.failures / 2 : task.failures + 1);
+    queue_.update(crew_.keep(*attempts_[k].change), better ? task.failures / 2 : task.failures + 1);
     if (better)
         queue_.not_tried(task.tet);
 }
@@ -108,12 +96,13 @@ Kicks::Outcome Kicks::once() {
     advance();
     const std::size_t k = next_++;
     const Attempt &made = attempts_[k];
+    crew_.count(made);
     const bool keeps = made.change && crew_.has_room(*made.change);
     const bool better = keeps && made.gain < -kFewer;
     kept_[tasks_[k].place] |= made.change.has_value();
     if (keeps)
         keep(k, better);
-    return {better, made.spent};
+    return {better, made.spent.evaluations};
 }
 
 } // namespace wct::search

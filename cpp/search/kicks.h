@@ -26,7 +26,7 @@ class Kicks {
     bool tried();
     struct Outcome {
         bool better = false; // by a bad tet
-        Spent spent;
+        long evaluations = 0;
     };
     /// The next kick; there must be a bad tet.
     Outcome once();
@@ -48,8 +48,7 @@ class Kicks {
     void try_all();
     /// Go on to a task that nothing kept reaches.
     void advance();
-    bool reached(std::size_t k) const;
-    bool claimed(int v) const { return static_cast<std::size_t>(v) < claims_.size() && claims_[v] == batch_; }
+    bool counts(std::size_t k) const;
     void keep(std::size_t k, bool better);
 
     Crew &crew_;
@@ -60,9 +59,6 @@ class Kicks {
     std::size_t next_ = 0;          // task
     std::vector<char> kept_;        // by place, whether one of those before was fit to be kept there
     bool any_kept_ = false;
-    std::vector<int> claims_; // by vertex: the last batch that changed what is at it
-    int batch_ = 0;
-    std::vector<int> changed_;
 };
 
 } // namespace wct::search

@@ -83,13 +83,6 @@ std::vector<int> LocalSearch::bad_tets() const {
     return bad;
 }
 
-Spent LocalSearch::spent() const {
-    Spent sum = bench_.spent() - crew_.spent();
-    sum += sweeps_.spent();
-    sum += kicked_;
-    return sum;
-}
-
 void LocalSearch::sweep(int recipe) {
     std::vector<int> tets = bad_tets();
     if (recipe != 0)
@@ -147,9 +140,8 @@ bool LocalSearch::kick_until_good(const SearchProgress &progress, const char *ph
         ++outcome_.kicks;
         const Kicks::Outcome kick = kicks_.once();
         outcome_.accepted += kick.better;
-        kicked_ += kick.spent;
         ++vain;
-        price.add(static_cast<double>(kick.spent.evaluations), std::max(0, least - kicks_.bad()));
+        price.add(static_cast<double>(kick.evaluations), std::max(0, least - kicks_.bad()));
         if (kicks_.bad() < least) {
             least = kicks_.bad();
             best.reset();
@@ -254,7 +246,7 @@ SearchOutcome LocalSearch::run(const SearchProgress &progress) {
     outcome_.stuck = bad_tets();
     outcome_.bad = static_cast<int>(outcome_.stuck.size());
     std::erase_if(outcome_.stuck, [&](int t) { return complex_.ruled_out(t); });
-    outcome_.evaluations = spent().evaluations;
+    outcome_.evaluations = crew_.spent().evaluations;
     outcome_.work = work();
     WCT_CHECK(complex_.checks.end(complex_, guide_);)
     return outcome_;

@@ -39,9 +39,7 @@ class LocalSearch {
     void adopt(const SearchForm &form);
     /// Those that miss the goal, or are at a facet beyond the tolerance.
     std::vector<int> bad_tets() const;
-    /// All that counts, as it would be spent by one thread.
-    Spent spent() const;
-    long work() const { return spent().work(); }
+    long work() const { return crew_.spent().work(); }
     int count_bad() const { return static_cast<int>(bad_tets().size()); }
     void sweep(int recipe);
     /// How many kicks in vain to bear with this many bad tets left, and in a hurry.
@@ -73,7 +71,6 @@ class LocalSearch {
     Crew crew_;
     Sweeps sweeps_;
     Kicks kicks_;
-    Spent kicked_; // on kicks
     SearchOutcome outcome_;
 };
 

@@ -139,7 +139,8 @@ void TetComplex::change_surface(const Noted &found, MeshChange &out) const {
     }
 }
 
-void TetComplex::apply(const MeshChange &change) {
+std::vector<int> TetComplex::apply(const MeshChange &change) {
+    mark();
     const int later = static_cast<int>(vertices_.size()) - change.first_vertex;
     const auto numbered = [&](auto cell) {
         for (int &v : cell)
@@ -175,6 +176,11 @@ void TetComplex::apply(const MeshChange &change) {
         remove_crease(key);
     for (const auto &[key, curve] : change.creases)
         add_crease(numbered(key), curve);
+    std::vector<int> tets;
+    changed(tets);
+    WCT_CHECK(checks.did("apply");)
+    commit();
+    return tets;
 }
 
 } // namespace wct::search

@@ -38,9 +38,6 @@ struct MeshChange {
     /// Vertices that were there before of all tets that went or are another shape or energy, ascending. Two changes
     /// that have none in common do not reach each other, and can be done one after the other.
     std::vector<int> touched;
-
-    /// How many tets more there are after it.
-    std::ptrdiff_t growth() const { return std::ssize(tets) - std::ssize(gone_tets); }
 };
 
 } // namespace wct::search

@@ -70,12 +70,12 @@ class Operators {
     double longest = 2.2;
     /// No change may leave more tets than so many.
     std::size_t most = std::numeric_limits<std::size_t>::max();
-
-  private:
     /// Whether so many fresh tets may take the place of those that go.
     bool has_room(std::size_t gone, std::size_t fresh) const {
         return fresh <= gone || fresh - gone <= most - std::min(most, complex_.tets());
     }
+
+  private:
     bool fixes(int patch) const { return static_cast<std::size_t>(patch) < fixed.size() && fixed[patch] != 0; }
     bool fixes_curve(int curve) const {
         return static_cast<std::size_t>(curve) < fixed_curves.size() && fixed_curves[curve] != 0;

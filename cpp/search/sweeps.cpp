@@ -26,22 +26,19 @@ bool Sweeps::changed_since(int t, int when) const {
 void Sweeps::choose() {
     const TetComplex &mesh = crew_.mesh();
     batch_.clear();
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-        const int t = order_[k];
-        const bool full = k >= kWindow || batch_.size() == kBatch;
-        if (!full && !falls_short(t))
+    std::vector<int> later;
+    for (std::size_t k = 0; k < kWindow && batch_.size() < kBatch && !order_.empty(); ++k) {
+        const int t = order_.back();
+        order_.pop_back();
+        if (!falls_short(t))
             continue; // gone or good by now
         const Vec3 center = mesh.centroid(t);
         const auto near = [&](int s) {
             return norm(mesh.centroid(s) - center) < kApart * mesh.vertex(mesh.tet(t)[0]).size;
         };
-        if (!full && std::ranges::none_of(batch_, near))
-            batch_.push_back(t);
-        else
-            order_[kept++] = t;
+        (std::ranges::none_of(batch_, near) ? batch_ : later).push_back(t);
     }
-    order_.resize(kept);
+    order_.insert(order_.end(), later.rbegin(), later.rend());
 }
 
 void Sweeps::try_all(int recipe) {
@@ -55,30 +52,23 @@ void Sweeps::try_all(int recipe) {
 }
 
 void Sweeps::keep_all() {
-    ++batches_;
-    again_.clear();
+    std::vector<int> again;
     for (std::size_t k = 0; k < batch_.size(); ++k) {
-        claims_.resize(crew_.mesh().vertex_slots(), 0);
-        const auto claimed = [this](int v) { return claims_[v] == batches_; };
         const Attempt &made = attempts_[k];
-        const Tet &tet = crew_.mesh().tet(batch_[k]);
-        if (std::any_of(tet.begin(), tet.end(), claimed) ||
-            (made.change && (std::ranges::any_of(made.change->touched, claimed) || !crew_.has_room(*made.change)))) {
-            again_.push_back(batch_[k]);
+        if (crew_.reached(batch_[k], made) || (made.change && !crew_.has_room(*made.change))) {
+            again.push_back(batch_[k]);
             continue;
         }
-        spent_ += made.spent;
+        crew_.count(made);
         if (!made.change)
             continue;
-        for (const int v : made.change->touched)
-            claims_[v] = batches_;
-        crew_.apply(*made.change, changed_);
+        const std::vector<int> changed = crew_.keep(*made.change);
         changed_at_.resize(crew_.mesh().tet_slots(), 0);
         ++clock_;
-        for (const int t : changed_)
+        for (const int t : changed)
             changed_at_[t] = clock_;
     }
-    order_.insert(order_.begin(), again_.begin(), again_.end());
+    order_.insert(order_.end(), again.rbegin(), again.rend());
 }
 
 void Sweeps::run(int recipe, std::vector<int> tets) {
@@ -88,7 +78,7 @@ void Sweeps::run(int recipe, std::vector<int> tets) {
         return !falls_short(t) || (tried_at_[recipe][t] >= 0 && !changed_since(t, tried_at_[recipe][t]));
     });
     crew_.mesh().sort_worst_first(tets);
-    order_ = tets;
+    order_.assign(tets.rbegin(), tets.rend());
     crew_.gather(order_.size());
     while (!order_.empty()) {
         choose();

@@ -16,30 +16,23 @@ class Sweeps {
 
     /// Tets tried in vain by this recipe before are left out until something changes round them.
     void run(int recipe, std::vector<int> tets);
-    /// What the attempts that counted have taken.
-    const Spent &spent() const { return spent_; }
 
   private:
     bool falls_short(int t) const;
     bool changed_since(int t, int when) const;
-    /// Into batch_: the next in order_ that are apart; the others close up.
+    /// Into batch_: the next in order_ that are apart; the others stay.
     void choose();
     void try_all(int recipe);
     void keep_all();
 
     Crew &crew_;
     Random &random_;
-    std::vector<int> order_; // tets to come
+    std::vector<int> order_; // tets to come, the next last
     std::vector<int> batch_;
     std::vector<Attempt> attempts_; // at those of the batch
-    std::vector<int> again_;
     int clock_ = 0;
     std::vector<int> changed_at_;  // by tet
     std::vector<int> tried_at_[3]; // by tet, for each recipe
-    std::vector<int> changed_;
-    std::vector<int> claims_; // by vertex: the last batch that changed what is at it
-    int batches_ = 0;
-    Spent spent_;
 };
 
 } // namespace wct::search

@@ -161,9 +161,9 @@ class TetComplex {
     void changed(std::vector<int> &tets) const;
     /// All that has changed since the only mark.
     MeshChange change() const;
-    /// Do to this mesh what was done to another that was the same, or differed only where the change does not reach. No
-    /// rollback undoes it.
-    void apply(const MeshChange &change);
+    /// Do to this mesh what was done to another that was the same, or differed only where the change does not reach.
+    /// Returns the tets added, removed or measured anew, as `changed` does. No rollback undoes it.
+    std::vector<int> apply(const MeshChange &change);
     /// Recompute the sum from scratch: rounding in `total()` does not pile up over long runs.
     void resum();
 

@@ -10,35 +10,20 @@ namespace wct::tests {
 
 namespace {
 
-/// A body on a workbench, with what tries changes of it on so many threads.
-struct KickBench {
-    explicit KickBench(Body made, std::uint64_t seed, unsigned threads = 1)
-        : body(std::move(made)), complex(complex_of(body)), guide(guide_of(body, 0.02, 0.125 * body.size)),
-          random(seed), bench(complex, guide, search_form(), options, false), crew(bench, guide, options),
-          sweeps(crew, random), kicks(crew, random) {
-        options.workers = Workers(threads);
-        bench.watch.begin();
-        for (std::size_t t = 0; t < complex.tet_slots(); ++t)
-            complex.set_energy(static_cast<int>(t), bench.energy.of_present(complex, complex.tet(static_cast<int>(t))));
-        complex.resum();
+/// A bench with what tries changes of it.
+struct KickBench : Bench {
+    explicit KickBench(Body made, std::uint64_t seed)
+        : Bench(std::move(made)), chance(seed), crew(*this, guide, options), sweeps(crew, chance), kicks(crew, chance) {
     }
-    KickBench(const KickBench &) = delete;
-    KickBench &operator=(const KickBench &) = delete;
 
     std::vector<int> bad() const {
-        std::vector<int> out;
-        for (std::size_t t = 0; t < complex.tet_slots(); ++t)
-            if (complex.alive(static_cast<int>(t)) && bench.energy.bad(complex.energy(static_cast<int>(t))))
-                out.push_back(static_cast<int>(t));
+        std::vector<int> out = living(complex);
+        std::erase_if(out, [&](int t) { return !energy.bad(complex.energy(t)); });
         return out;
     }
 
-    Body body;
-    search::TetComplex complex;
-    search::SurfaceGuide guide;
     search::SearchOptions options;
-    Random random;
-    search::Workbench bench;
+    Random chance;
     search::Crew crew;
     search::Sweeps sweeps;
     search::Kicks kicks;
@@ -53,7 +38,7 @@ TEST_CASE("Repair: a pass lowers the energy and leaves a mesh") {
         const std::size_t bad = bench.bad().size();
         REQUIRE(bad > 50);
         for (int pass = 0; pass < 2; ++pass) {
-            bench.bench.repair.pass(search::Repair::recipes[recipe], bench.bad());
+            bench.repair.pass(search::Repair::recipes[recipe], bench.bad());
             bench.complex.resum();
             CHECK(bench.complex.total() < before);
             before = bench.complex.total();
@@ -86,11 +71,8 @@ TEST_CASE("Kicks: what is not allowed is taken back, what is allowed stays") {
 
 TEST_CASE("Sweeps: good tets are left alone, and so is what was tried in vain until something changes near it") {
     KickBench bench(cube(3, 0.3, 12), 1);
-    std::vector<int> good;
-    for (std::size_t t = 0; t < bench.complex.tet_slots(); ++t)
-        if (const int k = static_cast<int>(t);
-            bench.complex.alive(k) && !bench.bench.energy.bad(bench.complex.energy(k)))
-            good.push_back(k);
+    std::vector<int> good = living(bench.complex);
+    std::erase_if(good, [&](int t) { return bench.energy.bad(bench.complex.energy(t)); });
     const State untouched(bench.complex);
     bench.sweeps.run(2, good);
     CHECK(difference(untouched, State(bench.complex)) == "");
@@ -98,27 +80,23 @@ TEST_CASE("Sweeps: good tets are left alone, and so is what was tried in vain un
     for (int pass = 0; pass < 40; ++pass)
         bench.sweeps.run(0, bench.bad());
     const State still(bench.complex);
-    const long evaluations = bench.bench.energy.evaluations();
+    const long evaluations = bench.energy.evaluations();
     bench.sweeps.run(0, bench.bad());
     CHECK(difference(still, State(bench.complex)) == "");
-    CHECK(bench.bench.energy.evaluations() == evaluations); // not even tried
-    bench.sweeps.run(1, bench.bad());                       // by this recipe they were not
-    CHECK(bench.bench.energy.evaluations() > evaluations);
+    CHECK(bench.energy.evaluations() == evaluations); // not even tried
+    bench.sweeps.run(1, bench.bad());                 // by this recipe they were not
+    CHECK(bench.energy.evaluations() > evaluations);
 }
 
 TEST_CASE("Repair: where a facet is beyond the tolerance, its vertex that is nearest goes to the farthest place") {
     const Body coarse = ball(3, 0.2, 15), fine = ball(9, 0.2, 15);
     search::TetComplex complex = complex_of(coarse);
     const search::SurfaceGuide guide = guide_of(fine, 0.02, 0.125 * fine.size);
-    const search::SearchEnergy energy(search_form());
-    search::SurfaceWatch watch(complex, guide);
-    search::Operators operators(complex, energy, guide, watch);
-    search::VertexDescent descent(complex, energy, guide, watch);
-    search::GroupDescent group(complex, energy, guide, watch);
-    Random random(4);
-    search::Repair repair(complex, energy, operators, descent, group, random);
-    watch.begin();
-    watch.loose = 3.0; // as kicks allow
+    search::SearchOptions options;
+    options.seed = 4;
+    search::Workbench bench(complex, guide, search_form(), options, false);
+    bench.watch.begin();
+    bench.watch.loose = 3.0; // as kicks allow
     int snapped = 0, left = 0;
     for (std::size_t k = 0; k < complex.tet_slots(); ++k) {
         const int t = static_cast<int>(k);
@@ -127,12 +105,12 @@ TEST_CASE("Repair: where a facet is beyond the tolerance, its vertex that is nea
         for (const auto &f : kFacets)
             if (complex.is_surface(tet[f[0]], tet[f[1]], tet[f[2]])) {
                 const Facet key = sorted(tet[f[0]], tet[f[1]], tet[f[2]]);
-                const auto peak = complex.over(key) > 0.0 ? operators.farthest(key) : std::nullopt;
+                const auto peak = complex.over(key) > 0.0 ? bench.operators.farthest(key) : std::nullopt;
                 if (peak)
                     places.push_back({complex.point(key[0]), complex.point(key[1]), complex.point(key[2]), *peak});
             }
         const State before(complex);
-        const auto v = repair.snap(t);
+        const auto v = bench.repair.snap(t);
         if (!v) {
             CHECK(difference(before, State(complex)) == "");
             left += !places.empty();
@@ -156,8 +134,8 @@ TEST_CASE("Repair: flips round vertices lower the energy, and random operators m
     std::vector<int> vertices;
     for (std::size_t v = 0; v < bench.complex.vertex_slots(); ++v)
         vertices.push_back(static_cast<int>(v));
-    bench.bench.operators.touched.clear();
-    bench.bench.repair.flip_round(vertices);
+    bench.operators.touched.clear();
+    bench.repair.flip_round(vertices);
     bench.complex.resum();
     CHECK(bench.complex.total() < before);
     CHECK(fault(bench.complex) == "");
@@ -166,7 +144,7 @@ TEST_CASE("Repair: flips round vertices lower the energy, and random operators m
         const std::vector<int> bad = bench.bad();
         REQUIRE_FALSE(bad.empty());
         const double was = bench.complex.total();
-        done += bench.bench.repair.random_operator(bad[static_cast<std::size_t>(k) % bad.size()], 4.0);
+        done += bench.repair.random_operator(bad[static_cast<std::size_t>(k) % bad.size()], 4.0);
         raised += bench.complex.total() > was + 0.1;
         REQUIRE(fault(bench.complex) == "");
     }
@@ -177,7 +155,7 @@ TEST_CASE("Repair: flips round vertices lower the energy, and random operators m
 TEST_CASE("Kicks: a kick that is not kept leaves every bit, one that is leaves a mesh that is not worse") {
     KickBench bench(ball(4, 0.2, 14), 3);
     for (int pass = 0; pass < 3; ++pass)
-        bench.bench.repair.pass(search::Repair::recipes[1], bench.bad());
+        bench.repair.pass(search::Repair::recipes[1], bench.bad());
     bench.kicks.restart();
     REQUIRE(bench.kicks.bad() > 3);
     constexpr double equal = 0.02 + 1e-9; // what a kick may raise the energy by

@@ -1,6 +1,5 @@
 #include "search/mesh_change.h"
 
-#include "search/workbench.h"
 #include "support/bench.h"
 #include "support/state.h"
 
@@ -18,39 +17,13 @@ Body body_of(int k) {
     return k == 0 ? cube(3, 0.3, 12) : k == 1 ? cube(4, 0.3, 13, 0.5) : ball(4, 0.2, 14);
 }
 
-/// A body, measured, and a workbench for it.
-struct Measured {
-    explicit Measured(Body made)
-        : body(std::move(made)), complex(complex_of(body)), guide(guide_of(body, 0.02, 0.125 * body.size)),
-          bench(complex, guide, search_form(), search::SearchOptions(), false) {
-        bench.watch.begin();
-        for (std::size_t t = 0; t < complex.tet_slots(); ++t)
-            complex.set_energy(static_cast<int>(t), bench.energy.of_present(complex, complex.tet(static_cast<int>(t))));
-        complex.resum();
-    }
-    Measured(const Measured &) = delete;
-    Measured &operator=(const Measured &) = delete;
-
-    /// What the repair of t has come to, whatever it is: where all is bad, kicks reach everywhere.
-    search::Attempt repair(int t, std::uint64_t seed) {
-        return bench.attempt(seed, [&] {
-            bench.repair.improve(search::Repair::recipes[2], t);
-            return true;
-        });
-    }
-    std::vector<int> living() const {
-        std::vector<int> tets;
-        for (std::size_t t = 0; t < complex.tet_slots(); ++t)
-            if (complex.alive(static_cast<int>(t)))
-                tets.push_back(static_cast<int>(t));
-        return tets;
-    }
-
-    Body body;
-    search::TetComplex complex;
-    search::SurfaceGuide guide;
-    search::Workbench bench;
-};
+/// What the repair of t has come to, whatever it is: where all is bad, kicks reach everywhere.
+search::Attempt repaired(Bench &bench, int t, std::uint64_t seed) {
+    return bench.attempt(seed, [&] {
+        bench.repair.improve(search::Repair::recipes[2], t);
+        return true;
+    });
+}
 
 bool meet(const search::MeshChange &a, const search::MeshChange &b) {
     std::vector<int> both;
@@ -62,16 +35,16 @@ bool meet(const search::MeshChange &a, const search::MeshChange &b) {
 
 TEST_CASE("MeshChange: done to another copy it leads to the same mesh, and the attempt leaves no trace") {
     for (int k = 0; k < 3; ++k) {
-        Measured made(body_of(k));
+        Bench made(body_of(k));
         int changed = 0;
         for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-            const std::vector<int> tets = made.living();
+            const std::vector<int> tets = living(made.complex);
             const int t = tets[(seed * 37) % tets.size()];
             const State before(made.complex);
             search::TetComplex copy = made.complex;
             Content wanted(copy);
-            const search::Attempt attempt = made.bench.attempt(seed, [&] {
-                made.bench.kick.at(t, 0);
+            const search::Attempt attempt = made.attempt(seed, [&] {
+                made.kick.at(t, 0);
                 wanted = Content(made.complex);
                 return true;
             });
@@ -79,7 +52,8 @@ TEST_CASE("MeshChange: done to another copy it leads to the same mesh, and the a
             copy.apply(*attempt.change);
             REQUIRE(Content(copy) == wanted);
             REQUIRE(copy.total() - before.total == doctest::Approx(attempt.gain).epsilon(1e-9));
-            REQUIRE(std::ssize(made.living()) + attempt.change->growth() == static_cast<long>(copy.tets()));
+            REQUIRE(living(made.complex).size() + attempt.change->tets.size() ==
+                    copy.tets() + attempt.change->gone_tets.size());
             made.complex.apply(*attempt.change); // the next one starts from here
             REQUIRE(difference(State(copy), State(made.complex)) == "");
             REQUIRE(fault(copy) == "");
@@ -92,12 +66,12 @@ TEST_CASE("MeshChange: done to another copy it leads to the same mesh, and the a
 TEST_CASE("MeshChange: two that touch no vertex in common come to the same in either order") {
     int pairs = 0;
     for (const Body &body : {cube(6, 0.2, 13, 0.5), ball(6, 0.0, 14)}) {
-        Measured made(body);
+        Bench made(body);
         REQUIRE(fault(made.complex) == "");
-        const std::vector<int> tets = made.living();
+        const std::vector<int> tets = living(made.complex);
         for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-            const search::Attempt first = made.repair(tets[7 * seed], seed);
-            const search::Attempt second = made.repair(tets[tets.size() - 7 * seed], seed + 1000);
+            const search::Attempt first = repaired(made, tets[7 * seed], seed);
+            const search::Attempt second = repaired(made, tets[tets.size() - 7 * seed], seed + 1000);
             if (meet(*first.change, *second.change))
                 continue;
             ++pairs;

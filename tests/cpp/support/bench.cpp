@@ -27,10 +27,11 @@ search::SearchForm search_form() {
     return form;
 }
 
+Bodied::Bodied(Body made, double tolerance)
+    : body(std::move(made)), mesh(complex_of(body)), guide(guide_of(body, tolerance, 0.125 * body.size)) {}
+
 Bench::Bench(Body made, double tolerance)
-    : body(std::move(made)), complex(complex_of(body)), guide(guide_of(body, tolerance, 0.125 * body.size)),
-      energy(search_form()), watch(complex, guide), operators(complex, energy, guide, watch),
-      descent(complex, energy, guide, watch), group(complex, energy, guide, watch) {
+    : Bodied(std::move(made), tolerance), Workbench(mesh, guide, search_form(), search::SearchOptions(), false) {
     watch.begin();
     measure();
 }

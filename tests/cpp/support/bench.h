@@ -1,9 +1,7 @@
 #pragma once
 
-#include "search/group_descent.h"
-#include "search/operators.h"
 #include "search/stratified_mesh.h"
-#include "search/vertex_descent.h"
+#include "search/workbench.h"
 #include "support/bodies.h"
 
 namespace wct::tests {
@@ -20,23 +18,24 @@ search::SurfaceGuide guide_of(const Body &body, double tolerance, double spacing
 /// The form that sees most: acute angles, needles, the count.
 search::SearchForm search_form();
 
-/// A body with all that works on its complex, ready for single operators. A crowd that is not to be copied.
-struct Bench {
+/// A body as a mesh to be searched, and what its surface must stay near.
+struct Bodied {
+    Bodied(Body made, double tolerance);
+
+    Body body;
+    search::TetComplex mesh;
+    search::SurfaceGuide guide;
+};
+
+/// A body with all that works on its complex, its energies measured, ready for single operators. A crowd that is not to
+/// be copied.
+struct Bench : Bodied, search::Workbench {
     explicit Bench(Body made, double tolerance = 0.02);
     Bench(const Bench &) = delete;
     Bench &operator=(const Bench &) = delete;
 
     /// Energies of all tets measured afresh.
     void measure();
-
-    Body body;
-    search::TetComplex complex;
-    search::SurfaceGuide guide;
-    search::SearchEnergy energy;
-    search::SurfaceWatch watch;
-    search::Operators operators;
-    search::VertexDescent descent;
-    search::GroupDescent group;
 };
 
 } // namespace wct::tests

@@ -12,6 +12,14 @@ namespace wct::tests {
 
 using search::TetComplex;
 
+std::vector<int> living(const TetComplex &complex) {
+    std::vector<int> tets;
+    for (std::size_t k = 0; k < complex.tet_slots(); ++k)
+        if (complex.alive(static_cast<int>(k)))
+            tets.push_back(static_cast<int>(k));
+    return tets;
+}
+
 namespace {
 
 std::string named(const char *what, const Facet &f) {
@@ -22,14 +30,6 @@ std::string named(const char *what, const Facet &f) {
 
 std::string named(const char *what, int number) {
     return std::string(what) + " " + std::to_string(number);
-}
-
-std::vector<int> living(const TetComplex &complex) {
-    std::vector<int> tets;
-    for (std::size_t k = 0; k < complex.tet_slots(); ++k)
-        if (complex.alive(static_cast<int>(k)))
-            tets.push_back(static_cast<int>(k));
-    return tets;
 }
 
 std::string tets_fault(const TetComplex &complex) {

@@ -45,6 +45,9 @@ struct State {
     bool operator==(const State &) const = default;
 };
 
+/// The slots of the tets that are there.
+std::vector<int> living(const search::TetComplex &complex);
+
 /// Where two states differ first; empty where they are the same bits.
 std::string difference(const State &before, const State &after);
 
