@@ -99,3 +99,31 @@ main()
     )
     assert (done.returncode, done.stdout, done.stderr.strip()) == (2, "", "error: interrupted; nothing was written")
     assert [path.name for path in tmp_path.iterdir()] == ["in.vtu"]
+
+
+def test_an_interrupt_that_native_code_takes_for_an_error_of_its_own(tmp_path: Path) -> None:
+    """NumPy raises IndexError whatever an index raises as it is asked for its number."""
+    wct.write(tmp_path / "in.vtu", jittered_cube(2))
+    program = """
+import os, signal, sys
+import numpy as np
+
+class Index:
+    def __index__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        return 0
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "wct_plugin.io.reader":
+            np.zeros(1)[Index()]
+
+sys.meta_path.insert(0, Finder())
+sys.argv = ["wct", "report", "in.vtu", "--json", "out.json"]
+from wct_plugin.cli.entry import main
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (2, "", "error: interrupted; nothing was written")

@@ -4,6 +4,8 @@ import _thread
 import signal
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -11,9 +13,38 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _AGAIN = 0.02
 
 
+class _Interrupt:
+    """What a signal does: it raises KeyboardInterrupt, and is noted."""
+
+    noted = False
+
+    def __call__(self, _signal: int, _frame: FrameType | None) -> None:
+        self.noted = True
+        raise KeyboardInterrupt
+
+
 def raise_on_sigterm() -> None:
     """Let SIGTERM raise KeyboardInterrupt, as Python has it for Ctrl-C: what was begun is then tidied up."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    interrupt = _Interrupt()
+    signal.signal(signal.SIGTERM, interrupt)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # a shell may have it ignored
+        signal.signal(signal.SIGINT, interrupt)
+
+
+@contextmanager
+def raised_in_the_end() -> Iterator[None]:
+    """Raise KeyboardInterrupt for whatever the body raises after one, if :func:`raise_on_sigterm` was called.
+
+    Native code may have put an error of its own in its place, as NumPy does where it compares structured arrays and
+    asks an index for its number.
+    """
+    try:
+        yield
+    except Exception as error:
+        now = (signal.getsignal(one) for one in _SIGNALS)
+        if any(isinstance(one, _Interrupt) and one.noted for one in now):
+            raise KeyboardInterrupt from error
+        raise
 
 
 def repeat_where_lost() -> None:
@@ -60,7 +91,8 @@ class FirstAsks:
         for one, before in self._before.items():
             signal.signal(one, self._note if on else before)
 
-    def _note(self, _signal: int, _frame: FrameType | None) -> None:
+    def _note(self, signal_: int, frame: FrameType | None) -> None:
         if self.asked:
-            raise KeyboardInterrupt
+            before = self._before[signal.Signals(signal_)]
+            (before if callable(before) else signal.default_int_handler)(signal_, frame)
         self.asked = True  # and no more: the signal may have come in the middle of a print

@@ -14,6 +14,7 @@ from contextlib import suppress
 import click
 
 from wct_plugin.cli.commands import Commands
+from wct_plugin.cli.interrupt import raised_in_the_end
 from wct_plugin.cli.messages import FAILED, GOAL_MET, fail, show_warning, showing_notes
 from wct_plugin.cli.save_case import Case, noting_case
 from wct_plugin.errors import InternalError, WctError, WctWarning, one_line
@@ -30,7 +31,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code; errors are printed as one line, with what was written before."""
     with atomic_files.noting() as written, noting_case() as case:
         try:
-            with warnings.catch_warnings(), showing_notes():
+            with raised_in_the_end(), warnings.catch_warnings(), showing_notes():
                 warnings.simplefilter("ignore")  # other packages' warnings are for programmers
                 warnings.simplefilter("always", WctWarning)
                 warnings.showwarning = show_warning
