@@ -262,20 +262,38 @@ void Sizing::find_growth() {
     least_growth_ = reference_.tree().smallest(growth_);
 }
 
+bool Sizing::bent_inside(int triangle) const {
+    const int patch = reference_.data().patch[triangle];
+    return reference_.inner(patch) && !reference_.planar(patch);
+}
+
+std::array<double, 2> Sizing::flat_depths(int triangle, double size) const {
+    // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
+    // are mostly bad.
+    if (wall_[triangle] < kThick * size)
+        return {0.5 * wall_[triangle], 0.5 * wall_[triangle]};
+    const auto &[a, b, c] = reference_.data().triangles[triangle];
+    if (!bent_inside(triangle) || std::max({layer_[a], layer_[b], layer_[c]}) > 0.0)
+        return {};
+    double bend = 0.0; // away from the normal
+    for (int k = 0; k < 3; ++k)
+        for (const double curvature : reference_.curvature(reference_.wedge(triangle, k)))
+            bend += curvature;
+    const bool thin = apart_[triangle] < kThickBent * size;
+    return {thin || bend > 0.0 ? kHollow * size : 0.0, thin || bend <= 0.0 ? kHollow * size : 0.0};
+}
+
 void Sizing::grade() {
     const auto &data = reference_.data();
     limit_gradient(surface, data.points, neighbours(data.triangles, data.points.size()), form_.surface_grade);
-    // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
-    // are mostly bad.
-    flat_.assign(data.triangles.size(), 0.0);
+    flat_.clear();
     std::vector<double> sizes, from;
     for (std::size_t t = 0; t < data.triangles.size(); ++t) {
         const auto &[a, b, c] = data.triangles[t];
         const double size = std::min({surface[a], surface[b], surface[c]});
-        if (inside_[t] < kThick * size)
-            flat_[t] = 0.5 * inside_[t];
+        flat_.push_back(flat_depths(static_cast<int>(t), size));
         sizes.push_back(size);
-        from.push_back(size - growth_[t] * flat_[t]);
+        from.push_back(size - growth_[t] * std::max(flat_[t][0], flat_[t][1]));
         smallest_ = std::min(smallest_, size);
     }
     least_ = reference_.tree().smallest(sizes);
@@ -319,8 +337,14 @@ double Sizing::at(const Vec3 &p, int &triangle) const {
         const auto &[a, b, c] = data.triangles[item];
         const geometry::TrianglePoint q =
             geometry::nearest_on_triangle(p, data.points[a], data.points[b], data.points[c]);
+        const auto &[behind, before] = flat_[item];
+        double flat = behind;
+        if (behind != before) { // any point of the triangle tells the side
+            const bool is_before = dot(p - data.points[a], reference_.normal(static_cast<int>(item))) > 0.0;
+            flat = is_before ? before : behind;
+        }
         return q.weight[0] * surface[a] + q.weight[1] * surface[b] + q.weight[2] * surface[c] +
-               growth_[item] * std::max(0.0, std::sqrt(q.square) - flat_[item]);
+               growth_[item] * std::max(0.0, std::sqrt(q.square) - flat);
     };
     double most = form_.coarsen * input_size(p);
     if (triangle >= 0)

@@ -6,6 +6,7 @@
 #include "domain/sharp_edges.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -119,12 +120,22 @@ class Sizing {
     void limit_by_sharp_edges();
     void find_growth();
     static constexpr double kThick = 2.0; // sizes: a wall no thicker is thin
-    /// What thickness and gaps at a triangle allow, and the thickness of a wall inside there.
+    /// The same of walls that have a curved interface, and as deep as this, in sizes, sizes do not grow on its hollow
+    /// side, or in such a wall: the next points there are few as it is, and tets too tall for their facets else.
+    static constexpr double kThickBent = 2.5;
+    static constexpr double kHollow = 0.35;
+    /// What thickness and gaps at a triangle allow, and how far off what is opposite inside is, infinite where nothing
+    /// is.
     struct Thickness {
         double limit;
-        double inside;
-        double layer; // of a layer through which one row of tets goes, infinite where there is none
+        double wall;  // between outer sides
+        double apart; // of sides of any kind
+        double layer; // of a layer through which one row of tets goes
     };
+    /// Whether a triangle is of an interface or a sheet that bends.
+    bool bent_inside(int triangle) const;
+    /// How deep sizes do not grow from a triangle, behind it and before it.
+    std::array<double, 2> flat_depths(int triangle, double size) const;
     /// The thickness of the layer between two parallel patches on a side of a triangle, where one row of tets goes
     /// through it; else infinite. `wanted`: the size that all but curvature allows there.
     double row_at(int triangle, int side, double wanted) const;
@@ -151,9 +162,10 @@ class Sizing {
     std::vector<double> patch_area_;
     std::vector<double> curved_; // what curvature allows per point of the surface, infinite where it is flat
     std::vector<double> layer_;  // thickness of a layer with one row of tets per point, 0 where there is none
-    std::vector<double> inside_; // thickness of walls per triangle, infinite where none is
-    std::vector<double> flat_;   // per triangle: as deep as this sizes do not grow
-    std::vector<double> growth_; // per triangle: of sizes per distance from there on
+    std::vector<double> wall_;   // per triangle: thickness of a wall between outer sides, infinite where none is
+    std::vector<double> apart_;  // the same of any sides
+    std::vector<std::array<double, 2>> flat_; // per triangle: as deep as this sizes do not grow, behind and before it
+    std::vector<double> growth_;              // per triangle: of sizes per distance from there on
     // Least per node of the reference's tree: of sizes, of those that would grow from the surface on to the same, and
     // of growths.
     std::vector<double> least_, least_from_, least_growth_;

@@ -65,17 +65,18 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
 Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach) const {
     // Sheets: rays to either side, in a cone, that hit a triangle facing the other way.
     constexpr int kRays = 9;
-    constexpr int kRank = 3;           // of the hits by distance, that counts: a few may stray
-    constexpr double kFacing = -0.5;   // cosine between normals of triangles that face each other
-    constexpr double kTurned = 0.1;    // of the cone about the normal: rays along edges tell little
-    constexpr double kParallel = -0.8; // cosine between normals of a wall's sides
+    constexpr int kRank = 3;          // of the hits by distance, that counts: a few may stray
+    constexpr double kFacing = 0.5;   // cosine between normals of triangles that face each other, either way round
+    constexpr double kTurned = 0.1;   // of the cone about the normal: rays along edges tell little
+    constexpr double kParallel = 0.8; // the same of a wall's sides
     const auto &data = reference_.data();
     const Vec3 &n = reference_.normal(triangle);
     const auto &[a, b, c] = data.triangles[triangle];
     const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
-    double thin = kInfinity, inside = kInfinity, layer = kInfinity;
+    const bool own_inner = reference_.inner(data.patch[triangle]);
+    double thin = kInfinity, wall = kInfinity, apart = kInfinity, layer = kInfinity;
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
         const bool outside = data.sides[data.patch[triangle]][side] < 0;
@@ -87,10 +88,12 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
             const Vec3 d = std::cos(tilt) * inward + std::sin(tilt) * (std::cos(turn) * u + std::sin(turn) * v);
             int hit = -1;
             const double far = reference_.ray(center, d, reference_.ray_start(), reach, hit);
-            const bool opposite =
-                hit >= 0 && dot(reference_.normal(hit), n) < kFacing && !(outside && notched(center, far));
+            // An interface's normal may point either way: a ray through a region meets what bounds it from within.
+            const double along = hit < 0 ? 0.0 : std::fabs(dot(reference_.normal(hit), n));
+            const bool opposite = along > kFacing && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
-            walls[j] = opposite && dot(reference_.normal(hit), n) < kParallel ? hits[j] : kInfinity;
+            const bool outer = opposite && !own_inner && !reference_.inner(data.patch[hit]);
+            walls[j] = outer && along > kParallel ? hits[j] : kInfinity;
         }
         std::nth_element(hits.begin(), hits.begin() + kRank, hits.end());
         std::nth_element(walls.begin(), walls.begin() + kRank, walls.end());
@@ -99,10 +102,12 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
         const double row = row_at(triangle, side, wanted);
         layer = std::min(layer, row);
         thin = std::min(thin, outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[kRank]);
-        if (!outside)
-            inside = std::min(inside, walls[kRank]);
+        if (!outside) {
+            wall = std::min(wall, walls[kRank]);
+            apart = std::min(apart, hits[kRank]);
+        }
     }
-    return {std::min(thin, reference_.diagonal()), inside, layer};
+    return {std::min(thin, reference_.diagonal()), wall, apart, layer};
 }
 
 void Sizing::limit_to_mean(const std::vector<double> &thin, const std::vector<char> &measured) {
@@ -125,7 +130,8 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     std::vector<double> thin(data.triangles.size());
     std::vector<double> layers(data.triangles.size(), kInfinity);
     std::vector<char> measured(data.triangles.size(), 0);
-    inside_.assign(data.triangles.size(), kInfinity);
+    wall_.assign(data.triangles.size(), kInfinity);
+    apart_.assign(data.triangles.size(), kInfinity);
     patch_area_.assign(data.sides.size(), 0.0);
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         patch_area_[data.patch[t]] += reference_.area(static_cast<int>(t));
@@ -134,18 +140,22 @@ void Sizing::limit_by_thickness(const Workers &workers) {
         return std::max({limit_[a], limit_[b], limit_[c]});
     };
     // Rays end where what they hit allows longer edges than are wanted anyway.
-    const double far = kRoom / std::cos(kCone) * std::max({1.0 / form_.thickness, 1.0 / form_.gap, kThick});
+    const double least = std::max(1.0 / form_.thickness, 1.0 / form_.gap);
+    const auto far = [&](std::size_t t) {
+        return kRoom / std::cos(kCone) * std::max(least, bent_inside(static_cast<int>(t)) ? kThickBent : kThick);
+    };
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c] = data.triangles[t];
         const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
         const double size = size_at(t);
         measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
         if (measured[t]) {
-            const Thickness here = thickness_at(static_cast<int>(t), size, far * size);
+            const Thickness here = thickness_at(static_cast<int>(t), size, far(t) * size);
             layers[t] = here.layer;
             thin[t] = here.limit;
-            if (here.inside < kInfinity && !tapered(center, here.inside))
-                inside_[t] = here.inside;
+            apart_[t] = here.apart;
+            if (here.wall < kInfinity && !tapered(center, here.wall))
+                wall_[t] = here.wall;
         }
     });
     // Where the mean at a point counts, as some triangle there allows less than is wanted, so do those that allow more.

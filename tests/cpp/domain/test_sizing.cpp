@@ -68,6 +68,30 @@ Body bent_plate(double thickness) {
     });
 }
 
+/// A ball of radius .5 in a ball, the wall between them so thick: two regions.
+Body ball_in_ball(double wall, bool inner_first) {
+    Body body = ball(8, 0.0, 1);
+    for (Vec3 &p : body.points)
+        if (const double far = norm(p); far > 0.5)
+            p = (0.5 + 2.0 * (far - 0.5) * wall) / far * p;
+    for (std::size_t t = 0; t < body.tets.size(); ++t) {
+        const bool inside = std::ranges::all_of(body.tets[t], [&](int v) { return norm(body.points[v]) < 0.5 + 1e-9; });
+        body.regions[t] = inside == inner_first ? 0 : 1;
+    }
+    return stratified(body.points, body.tets, body.regions, [](const Vec3 &, const Vec3 &) { return 0; });
+}
+
+/// The middle of a facet of the ball inside, and its normal out of that.
+std::array<Vec3, 2> facet_inside(const Body &body) {
+    for (const auto &[a, b, c] : body.facets) {
+        const std::array<Vec3, 3> at{body.points[a], body.points[b], body.points[c]};
+        const Vec3 middle = (1.0 / 3.0) * (at[0] + at[1] + at[2]), normal = unit(normal_of(at));
+        if (norm(middle) < 0.5)
+            return {middle, dot(normal, middle) > 0.0 ? normal : -1.0 * normal};
+    }
+    return {};
+}
+
 } // namespace
 
 TEST_CASE("Sizing: edges are short where creases pass each other, and there alone") {
@@ -139,6 +163,42 @@ TEST_CASE("Sizing: grows slower in a domain with an interface, from there and fr
     CHECK(at(parts, 0.5 + deep) == doctest::Approx(small + form.parted_grade * deep));
     CHECK(at(parts, 0.5 - deep) == doctest::Approx(small + form.parted_grade * deep));
     CHECK(at(beside, 1.0 - deep) == doctest::Approx(small + form.parted_grade * deep));
+}
+
+TEST_CASE("Sizing: edges on the hollow side of an interface wait before they grow, on both sides in a thin wall") {
+    constexpr double small = 0.05, large = 0.11, deep = 0.04, flat = 0.35;
+    const double grown = small + domain::SizingForm::parted_grade * deep;
+    const double waited = small + domain::SizingForm::parted_grade * (deep - flat * small);
+    for (const bool inner_first : {true, false}) // the interface's normals point either way
+        for (const double wall : {0.1, 0.5}) {
+            Body body = ball_in_ball(wall, inner_first);
+            const auto [middle, out] = facet_inside(body);
+            domain::SizingForm form;
+            form.tolerance = 0.01;
+            for (const Vec3 &p : body.points)
+                form.most.push_back(norm(p) < 0.501 ? small : large);
+            const std::vector<double> wanted(body.points.size(), large);
+            const Sized one(std::move(body), form, wanted);
+            CHECK(one.sizing.at(middle - deep * out) == doctest::Approx(waited));
+            CHECK(one.sizing.at(middle + deep * out) == doctest::Approx(wall < 0.2 ? waited : grown));
+        }
+}
+
+TEST_CASE("Sizing: a layer is as thick between an interface and the outside, whichever way the interface looks") {
+    constexpr double thick = 0.125, share = 0.8; // edges wanted are too short for one row of tets
+    for (const int numbers : {0, 1}) {
+        Body body = cube(8, 0.0, 1, 1.0 - thick);
+        for (int &region : body.regions)
+            region = numbers == 0 ? region : 1 - region;
+        body = stratified(body.points, body.tets, body.regions, facing);
+        domain::SizingForm form;
+        form.tolerance = 1e-3;
+        const std::vector<double> wanted(body.points.size(), thick);
+        const Sized one(std::move(body), form, wanted);
+        for (const double x : {1.0 - thick, 1.0})
+            CHECK(one.sizing.at({x, 0.5, 0.5}) == doctest::Approx(share * thick));
+        CHECK(one.sizing.at({0.0, 0.5, 0.5}) == doctest::Approx(thick));
+    }
 }
 
 TEST_CASE("Sizing: a place that asks for short edges gets them, and its surroundings follow") {
