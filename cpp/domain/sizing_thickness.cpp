@@ -75,11 +75,11 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
     const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
-    const bool own_inner = reference_.inner(data.patch[triangle]);
+    const int own = data.patch[triangle];
     double thin = kInfinity, wall = kInfinity, apart = kInfinity, layer = kInfinity;
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
-        const bool outside = data.sides[data.patch[triangle]][side] < 0;
+        const bool outside = data.sides[own][side] < 0;
         std::array<double, kRays> hits, walls;
         for (int j = 0; j < kRays; ++j) {
             const double tilt = j == 0 ? 0.0 : kCone;
@@ -92,8 +92,9 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
             const double along = hit < 0 ? 0.0 : std::fabs(dot(reference_.normal(hit), n));
             const bool opposite = along > kFacing && !(outside && notched(center, far));
             hits[j] = opposite ? far * std::cos(tilt) : kInfinity;
-            const bool outer = opposite && !own_inner && !reference_.inner(data.patch[hit]);
-            walls[j] = outer && along > kParallel ? hits[j] : kInfinity;
+            const bool is_wall = along > kParallel && (reference_.planar(own) ||
+                                                       !(reference_.inner(own) || reference_.inner(data.patch[hit])));
+            walls[j] = opposite && is_wall ? hits[j] : kInfinity;
         }
         std::nth_element(hits.begin(), hits.begin() + kRank, hits.end());
         std::nth_element(walls.begin(), walls.begin() + kRank, walls.end());
