@@ -268,12 +268,16 @@ bool Sizing::bent_inside(int triangle) const {
 }
 
 std::array<double, 2> Sizing::flat_depths(int triangle, double size) const {
+    const auto &[a, b, c] = reference_.data().triangles[triangle];
+    const bool row = std::max({layer_[a], layer_[b], layer_[c]}) > 0.0;
+    // Nothing is between the sides of a layer of one row, and beyond an interface of it sizes are to grow at once.
+    if (row && reference_.has_inner())
+        return {};
     // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
     // are mostly bad.
     if (wall_[triangle] < kThick * size)
         return {0.5 * wall_[triangle], 0.5 * wall_[triangle]};
-    const auto &[a, b, c] = reference_.data().triangles[triangle];
-    if (!bent_inside(triangle) || std::max({layer_[a], layer_[b], layer_[c]}) > 0.0)
+    if (!bent_inside(triangle))
         return {};
     double bend = 0.0; // away from the normal
     for (int k = 0; k < 3; ++k)
