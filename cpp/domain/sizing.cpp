@@ -255,11 +255,13 @@ SharpFoot Sizing::cleared_by(const Vec3 &p) const {
 
 void Sizing::find_growth() {
     const bool parted = reference_.has_inner();
-    for (const auto &[a, b, c] : reference_.data().triangles) {
-        const bool layer = std::max({layer_[a], layer_[b], layer_[c]}) > 0.0;
-        growth_.push_back(parted && !layer ? SizingForm::parted_grade : SizingForm::inner_grade);
-    }
+    for (int t = 0; t < static_cast<int>(reference_.data().triangles.size()); ++t)
+        growth_.push_back(parted && !at_layer(t) ? SizingForm::parted_grade : SizingForm::inner_grade);
     least_growth_ = reference_.tree().smallest(growth_);
+}
+
+bool Sizing::at_layer(int triangle) const {
+    return std::ranges::any_of(reference_.data().triangles[triangle], [&](int v) { return layer_[v] > 0.0; });
 }
 
 bool Sizing::bent_inside(int triangle) const {
@@ -268,10 +270,8 @@ bool Sizing::bent_inside(int triangle) const {
 }
 
 std::array<double, 2> Sizing::flat_depths(int triangle, double size) const {
-    const auto &[a, b, c] = reference_.data().triangles[triangle];
-    const bool row = std::max({layer_[a], layer_[b], layer_[c]}) > 0.0;
     // Nothing is between the sides of a layer of one row, and beyond an interface of it sizes are to grow at once.
-    if (row && reference_.has_inner())
+    if (at_layer(triangle) && reference_.has_inner())
         return {};
     // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
     // are mostly bad.

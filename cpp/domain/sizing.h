@@ -132,7 +132,9 @@ class Sizing {
         double apart; // of sides of any kind
         double layer; // of a layer through which one row of tets goes
     };
-    /// Whether a triangle is of an interface or a sheet that bends.
+    /// Whether a triangle has a corner on a layer of one row.
+    bool at_layer(int triangle) const;
+    /// Whether it is of an interface or a sheet that bends.
     bool bent_inside(int triangle) const;
     /// How deep sizes do not grow from a triangle, behind it and before it.
     std::array<double, 2> flat_depths(int triangle, double size) const;

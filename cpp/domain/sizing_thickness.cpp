@@ -141,17 +141,18 @@ void Sizing::limit_by_thickness(const Workers &workers) {
         return std::max({limit_[a], limit_[b], limit_[c]});
     };
     // Rays end where what they hit allows longer edges than are wanted anyway.
-    const double least = std::max(1.0 / form_.thickness, 1.0 / form_.gap);
-    const auto far = [&](std::size_t t) {
-        return kRoom / std::cos(kCone) * std::max(least, bent_inside(static_cast<int>(t)) ? kThickBent : kThick);
+    const auto reach = [&](double thick) {
+        return kRoom / std::cos(kCone) * std::max({1.0 / form_.thickness, 1.0 / form_.gap, thick});
     };
+    const double far = reach(kThick), far_bent = reach(kThickBent);
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c] = data.triangles[t];
         const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
         const double size = size_at(t);
         measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
         if (measured[t]) {
-            const Thickness here = thickness_at(static_cast<int>(t), size, far(t) * size);
+            const double far_here = bent_inside(static_cast<int>(t)) ? far_bent : far;
+            const Thickness here = thickness_at(static_cast<int>(t), size, far_here * size);
             layers[t] = here.layer;
             thin[t] = here.limit;
             apart_[t] = here.apart;

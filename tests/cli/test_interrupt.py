@@ -28,6 +28,19 @@ def started(folder: Path, *arguments: str) -> "subprocess.Popen[str]":
     return subprocess.Popen([WCT, *arguments], cwd=folder, env=environment, text=True, stderr=subprocess.PIPE)
 
 
+def ended(program: str, folder: Path) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of ``wct report`` after what a program does first, in ``folder``."""
+    call = """
+sys.argv = ["wct", "report", "in.vtu", "--json", "out.json"]
+from wct_plugin.cli.entry import main
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program + call], cwd=folder, capture_output=True, text=True, timeout=60, check=False
+    )
+    return done.returncode, done.stdout, done.stderr.strip()
+
+
 @pytest.mark.parametrize("neighbour", NEIGHBOURS)
 def test_sigterm_ends_the_neighbour_too_and_leaves_nothing(neighbour: str, tmp_path: Path) -> None:
     wct.write(tmp_path / "in.ply", sphere_surface(60))
@@ -90,14 +103,8 @@ class Finder:
             {"Interrupted()" if lost else f"os.kill(os.getpid(), signal.{sent})"}
 
 sys.meta_path.insert(0, Finder())
-sys.argv = ["wct", "report", "in.vtu", "--json", "out.json"]
-from wct_plugin.cli.entry import main
-main()
 """
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
-    )
-    assert (done.returncode, done.stdout, done.stderr.strip()) == (2, "", "error: interrupted; nothing was written")
+    assert ended(program, tmp_path) == (2, "", "error: interrupted; nothing was written")
     assert [path.name for path in tmp_path.iterdir()] == ["in.vtu"]
 
 
@@ -119,11 +126,5 @@ class Finder:
             np.zeros(1)[Index()]
 
 sys.meta_path.insert(0, Finder())
-sys.argv = ["wct", "report", "in.vtu", "--json", "out.json"]
-from wct_plugin.cli.entry import main
-main()
 """
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
-    )
-    assert (done.returncode, done.stdout, done.stderr.strip()) == (2, "", "error: interrupted; nothing was written")
+    assert ended(program, tmp_path) == (2, "", "error: interrupted; nothing was written")

@@ -35,7 +35,7 @@ def raise_on_sigterm() -> None:
 def raised_in_the_end() -> Iterator[None]:
     """Raise KeyboardInterrupt for whatever the body raises after one, if :func:`raise_on_sigterm` was called.
 
-    Native code may have put an error of its own in its place, as NumPy does where it compares structured arrays and
+    Native code may have put an error of its own in its place, as NumPy does where it compares structured arrays or
     asks an index for its number.
     """
     try:
