@@ -270,21 +270,30 @@ bool Sizing::bent_inside(int triangle) const {
 }
 
 std::array<double, 2> Sizing::flat_depths(int triangle, double size) const {
-    // Nothing is between the sides of a layer of one row, and beyond an interface of it sizes are to grow at once.
-    if (at_layer(triangle) && reference_.has_inner())
-        return {};
+    const int patch = reference_.data().patch[triangle];
+    const std::array<double, 2> &wall = wall_[triangle];
+    const bool row = at_layer(triangle) && reference_.has_inner();
     // The few layers of a thin wall are made at one size: where its middle has longer edges than its sides, tets there
-    // are mostly bad.
-    if (wall_[triangle] < kThick * size)
-        return {0.5 * wall_[triangle], 0.5 * wall_[triangle]};
+    // are mostly bad. Round a concave bend the region goes on on the other side of an outer triangle's plane.
+    const auto waits = [&](double thickness) { return thickness < kThick * size ? 0.5 * thickness : 0.0; };
+    if (!reference_.inner(patch)) {
+        const double depth = row ? 0.0 : waits(std::min(wall[0], wall[1]));
+        return {depth, depth};
+    }
+    // Nothing is between the sides of a layer of one row; beyond it tets are too tall where sizes grow at once.
+    if (row)
+        return {waits(wall[1]), waits(wall[0])};
+    std::array<double, 2> depths{waits(wall[0]), waits(wall[1])};
     if (!bent_inside(triangle))
-        return {};
+        return depths;
     double bend = 0.0; // away from the normal
     for (int k = 0; k < 3; ++k)
         for (const double curvature : reference_.curvature(reference_.wedge(triangle, k)))
             bend += curvature;
-    const bool thin = apart_[triangle] < kThickBent * size;
-    return {thin || bend > 0.0 ? kHollow * size : 0.0, thin || bend <= 0.0 ? kHollow * size : 0.0};
+    for (int side = 0; side < 2; ++side)
+        if (((bend > 0.0) == (side == 0)) || apart_[triangle][side] < kThickBent * size)
+            depths[side] = std::max(depths[side], kHollow * size);
+    return depths;
 }
 
 void Sizing::grade() {

@@ -128,9 +128,9 @@ class Sizing {
     /// is.
     struct Thickness {
         double limit;
-        double wall;  // from a plane, or between outer sides
-        double apart; // of sides of any kind
-        double layer; // of a layer through which one row of tets goes
+        std::array<double, 2> wall;  // behind the triangle and before it: from a plane, or between outer sides
+        std::array<double, 2> apart; // the same of sides of any kind
+        double layer;                // of a layer through which one row of tets goes
     };
     /// Whether a triangle has a corner on a layer of one row.
     bool at_layer(int triangle) const;
@@ -164,10 +164,10 @@ class Sizing {
     std::vector<double> patch_area_;
     std::vector<double> curved_; // what curvature allows per point of the surface, infinite where it is flat
     std::vector<double> layer_;  // thickness of a layer with one row of tets per point, 0 where there is none
-    std::vector<double> wall_;   // per triangle: thickness of a wall, as of Thickness
-    std::vector<double> apart_;  // the same of sides of any kind
-    std::vector<std::array<double, 2>> flat_; // per triangle: as deep as this sizes do not grow, behind and before it
-    std::vector<double> growth_;              // per triangle: of sizes per distance from there on
+    std::vector<std::array<double, 2>> wall_;  // per triangle: thickness of walls, as of Thickness
+    std::vector<std::array<double, 2>> apart_; // the same of sides of any kind
+    std::vector<std::array<double, 2>> flat_;  // per triangle: as deep as this sizes do not grow, behind and before it
+    std::vector<double> growth_;               // per triangle: of sizes per distance from there on
     // Least per node of the reference's tree: of sizes, of those that would grow from the surface on to the same, and
     // of growths.
     std::vector<double> least_, least_from_, least_growth_;

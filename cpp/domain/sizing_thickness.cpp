@@ -18,7 +18,9 @@ constexpr double kParallelLayer = 0.98; // cosine between the sides of a layer: 
 /// it, as in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
 constexpr double kLayer = 1.4;
 constexpr double kBroad = 12.0; // least area of its sides, in squares of the thickness
-constexpr double kCoarse = 1.2; // least size wanted, in thicknesses, for that: of shorter edges two rows are better
+/// Least size allowed, in thicknesses, for that, and least size wanted at an interface, as rows have to suit what is
+/// beyond. Of shorter edges two rows are better.
+constexpr double kCoarse = 1.2, kCoarseInside = 1.8;
 constexpr double kCone = 0.5235987755982988; // of the rays about the normal: 30 degrees
 constexpr double kRoom = 1.0 + 1e-9;         // beyond what rays are to reach: rounding loses no hit
 
@@ -52,6 +54,8 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
     const double far = reference_.ray(center, inward, reference_.ray_start(), kRoom * allowed / kCoarse, hit);
     if (hit < 0 || allowed < kCoarse * far || patch_area_[own] < kBroad * far * far)
         return kInfinity;
+    if ((reference_.inner(own) || reference_.inner(data.patch[hit])) && wanted < kCoarseInside * far)
+        return kInfinity;
     // Facets of curved sides lie across each other, so smooth normals are compared. Those of interfaces and sheets run
     // either way: what counts is which side the layer is on.
     const Vec3 here = reference_.smooth_normal(reference_.nearest(center, own, triangle));
@@ -76,7 +80,7 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
     const int own = data.patch[triangle];
-    double thin = kInfinity, wall = kInfinity, apart = kInfinity, layer = kInfinity;
+    Thickness thickness{kInfinity, {kInfinity, kInfinity}, {kInfinity, kInfinity}, kInfinity};
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
         const bool outside = data.sides[own][side] < 0;
@@ -101,14 +105,16 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
         const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
         const double narrow = form_.gap * std::max(hits[kRank], form_.narrowest * tolerance);
         const double row = row_at(triangle, side, wanted);
-        layer = std::min(layer, row);
-        thin = std::min(thin, outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[kRank]);
+        const double limit = outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[kRank];
+        thickness.layer = std::min(thickness.layer, row);
+        thickness.limit = std::min(thickness.limit, limit);
         if (!outside) {
-            wall = std::min(wall, walls[kRank]);
-            apart = std::min(apart, hits[kRank]);
+            thickness.wall[side] = walls[kRank];
+            thickness.apart[side] = hits[kRank];
         }
     }
-    return {std::min(thin, reference_.diagonal()), wall, apart, layer};
+    thickness.limit = std::min(thickness.limit, reference_.diagonal());
+    return thickness;
 }
 
 void Sizing::limit_to_mean(const std::vector<double> &thin, const std::vector<char> &measured) {
@@ -131,8 +137,8 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     std::vector<double> thin(data.triangles.size());
     std::vector<double> layers(data.triangles.size(), kInfinity);
     std::vector<char> measured(data.triangles.size(), 0);
-    wall_.assign(data.triangles.size(), kInfinity);
-    apart_.assign(data.triangles.size(), kInfinity);
+    wall_.assign(data.triangles.size(), {kInfinity, kInfinity});
+    apart_.assign(data.triangles.size(), {kInfinity, kInfinity});
     patch_area_.assign(data.sides.size(), 0.0);
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         patch_area_[data.patch[t]] += reference_.area(static_cast<int>(t));
@@ -156,8 +162,9 @@ void Sizing::limit_by_thickness(const Workers &workers) {
             layers[t] = here.layer;
             thin[t] = here.limit;
             apart_[t] = here.apart;
-            if (here.wall < kInfinity && !tapered(center, here.wall))
-                wall_[t] = here.wall;
+            for (int side = 0; side < 2; ++side)
+                if (here.wall[side] < kInfinity && !tapered(center, here.wall[side]))
+                    wall_[t][side] = here.wall[side];
         }
     });
     // Where the mean at a point counts, as some triangle there allows less than is wanted, so do those that allow more.

@@ -201,6 +201,26 @@ TEST_CASE("Sizing: a layer is as thick between an interface and the outside, whi
     }
 }
 
+TEST_CASE("Sizing: one row goes through a layer where long edges are wanted, and beyond its interface they wait") {
+    constexpr double thick = 0.0625, share = 0.8, row = 1.4, deep = 0.05;
+    const Body body = cube(16, 0.0, 1, 1.0 - thick);
+    domain::SizingForm form;
+    form.tolerance = 1e-3;
+    for (const bool coarse : {false, true}) {
+        const std::vector<double> wanted(body.points.size(), (coarse ? 2.0 : 1.6) * thick);
+        const Sized one(body, form, wanted);
+        const double size = (coarse ? row : share) * thick;
+        for (const double x : {1.0 - thick, 1.0})
+            CHECK(one.sizing.at({x, 0.5, 0.5}) == doctest::Approx(size));
+        // Two rows are a wall: they wait between its sides, and beyond it nothing does.
+        const double beyond = one.sizing.at({1.0 - thick - deep, 0.5, 0.5});
+        CHECK(beyond == doctest::Approx(coarse ? size + domain::SizingForm::inner_grade * (deep - 0.5 * thick)
+                                               : size + domain::SizingForm::parted_grade * deep));
+        const double between = one.sizing.at({1.0 - 0.5 * thick, 0.5, 0.5});
+        CHECK(between == doctest::Approx(coarse ? size + domain::SizingForm::inner_grade * 0.5 * thick : size));
+    }
+}
+
 TEST_CASE("Sizing: a place that asks for short edges gets them, and its surroundings follow") {
     domain::SizingForm form;
     form.tolerance = 0.01;
