@@ -147,18 +147,16 @@ void Sizing::limit_by_thickness(const Workers &workers) {
         return std::max({limit_[a], limit_[b], limit_[c]});
     };
     // Rays end where what they hit allows longer edges than are wanted anyway.
-    const auto reach = [&](double thick) {
-        return kRoom / std::cos(kCone) * std::max({1.0 / form_.thickness, 1.0 / form_.gap, thick});
-    };
-    const double far = reach(kThick), far_bent = reach(kThickBent);
+    const double room = kRoom / std::cos(kCone), most = std::max(1.0 / form_.thickness, 1.0 / form_.gap);
+    const double far = room * std::max(most, kThick), far_bent = room * std::max(most, kThickBent);
     workers.for_each(thin.size(), 64, [&](std::size_t t) {
         const auto &[a, b, c] = data.triangles[t];
         const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
         const double size = size_at(t);
         measured[t] = !(reference_.normal(static_cast<int>(t)) == Vec3{}) && sharp_.nearest(center, size).edge < 0;
         if (measured[t]) {
-            const double far_here = bent_inside(static_cast<int>(t)) ? far_bent : far;
-            const Thickness here = thickness_at(static_cast<int>(t), size, far_here * size);
+            const bool bent = bent_inside(static_cast<int>(t));
+            const Thickness here = thickness_at(static_cast<int>(t), size, (bent ? far_bent : far) * size);
             layers[t] = here.layer;
             thin[t] = here.limit;
             apart_[t] = here.apart;
