@@ -280,20 +280,19 @@ std::array<double, 2> Sizing::flat_depths(int triangle, double size) const {
         const double depth = row ? 0.0 : waits(std::min(wall[0], wall[1]));
         return {depth, depth};
     }
-    // Nothing is between the sides of a layer of one row; beyond it tets are too tall where sizes grow at once.
+    // Nothing is between the sides of a layer of one row; beyond it tets are too tall where sizes grow at once. So the
+    // layer on one side of its interface lets sizes wait on the other.
     if (row)
         return {waits(wall[1]), waits(wall[0])};
-    std::array<double, 2> depths{waits(wall[0]), waits(wall[1])};
-    if (!bent_inside(triangle))
-        return depths;
+    if (!bent_inside(triangle)) // curved interfaces have no wall, see Thickness
+        return {waits(wall[0]), waits(wall[1])};
     double bend = 0.0; // away from the normal
     for (int k = 0; k < 3; ++k)
         for (const double curvature : reference_.curvature(reference_.wedge(triangle, k)))
             bend += curvature;
-    for (int side = 0; side < 2; ++side)
-        if (((bend > 0.0) == (side == 0)) || apart_[triangle][side] < kThickBent * size)
-            depths[side] = std::max(depths[side], kHollow * size);
-    return depths;
+    const auto &[behind, before] = apart_[triangle];
+    return {bend > 0.0 || behind < kThickBent * size ? kHollow * size : 0.0,
+            bend <= 0.0 || before < kThickBent * size ? kHollow * size : 0.0};
 }
 
 void Sizing::grade() {
