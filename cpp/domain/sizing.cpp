@@ -332,11 +332,6 @@ double Sizing::input_size(const Vec3 &p) const {
     return size;
 }
 
-double Sizing::on_surface(const Foot &foot) const {
-    const auto &t = reference_.data().triangles[foot.triangle];
-    return foot.weight[0] * surface[t[0]] + foot.weight[1] * surface[t[1]] + foot.weight[2] * surface[t[2]];
-}
-
 double Sizing::at(const Vec3 &p) const {
     int triangle = -1;
     return at(p, triangle);

@@ -70,7 +70,6 @@ class Sizing {
     /// The same, quicker where `triangle` is the one that limited the size at a place near by; -1: not known. It
     /// becomes the one that does so here.
     double at(const Vec3 &p, int &triangle) const;
-    double on_surface(const Foot &foot) const;
     double input_size(const Vec3 &p) const;
     double smallest() const { return smallest_; }
     double largest() const { return largest_; }

@@ -4,6 +4,7 @@
 #include "sampling/sheets.h"
 
 #include <algorithm>
+#include <set>
 
 namespace wct::sampling {
 
@@ -69,6 +70,20 @@ std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &compl
     const std::vector<int> torn = torn_sheets(cloud, reference, complex);
     lost.insert(lost.end(), torn.begin(), torn.end());
     return lost;
+}
+
+std::vector<int> strange_contacts(const RestrictedDelaunay &complex, const domain::Reference &reference) {
+    std::set<Edge> parted;
+    for (const auto &[behind, before] : reference.data().sides)
+        parted.insert(sorted(behind, before));
+    std::vector<int> corners;
+    for (int t = 0; t < static_cast<int>(complex.region.size()); ++t)
+        for (int i = 0; i < 4; ++i)
+            if (complex.on_surface(t, i) && !parted.contains(sorted(complex.region[t], complex.beyond(t, i)))) {
+                const Facet facet = complex.facet(t, i);
+                corners.insert(corners.end(), facet.begin(), facet.end());
+            }
+    return corners;
 }
 
 } // namespace wct::sampling

@@ -16,4 +16,8 @@ std::vector<int> lost_points(const Cloud &cloud, const Flaws &flaws);
 std::vector<int> lost_planes(const Cloud &cloud, const RestrictedDelaunay &complex, const domain::Reference &reference,
                              const domain::SizingForm &sizing);
 
+/// Corners, three each, of facets whose two sides no patch of the reference parts. Where a part is thinner than edges
+/// are long, what lies on both sides of it meets through it.
+std::vector<int> strange_contacts(const RestrictedDelaunay &complex, const domain::Reference &reference);
+
 } // namespace wct::sampling

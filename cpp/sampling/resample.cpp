@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace wct::sampling {
@@ -115,8 +116,12 @@ struct Start {
     Tally tally;
     std::size_t off = 0; // facets
     bool intact = false;
+    /// Corners of strange contacts: a part is cut through there, nothing else is lost.
+    std::vector<int> strange;
 
     std::size_t wrong() const { return tally.bad + off; }
+    /// Less is better.
+    std::tuple<bool, std::size_t, std::size_t> rank() const { return {!intact, strange.size(), wrong()}; }
 };
 
 /// A domain and what is asked of its resampling.
@@ -306,10 +311,11 @@ std::optional<Start> Resampling::improve(Cloud cloud) {
         const Tally tally = count_bad(cloud, complex, options.cosines);
         const bool sound = represents(cloud, complex, flaws);
         const std::size_t off = count_off(cloud, ties, options.held * tolerance_);
-        if (!best || std::pair(!sound, tally.bad + off) < std::pair(!best->intact, best->wrong())) {
+        std::vector<int> strange = strange_contacts(complex, reference);
+        if (!best || std::tuple(!sound, strange.size(), tally.bad + off) < best->rank()) {
             if (best && !best->intact)
                 fewest.clear();
-            best = Start{cloud, complex, std::move(flaws), std::move(touched), tally, off, sound};
+            best = Start{cloud, complex, std::move(flaws), std::move(touched), tally, off, sound, std::move(strange)};
         }
         fewest.push_back(static_cast<double>(best->wrong()));
         if (round == options.rounds || tally.bad == 0 || settled(fewest, *best))
@@ -343,12 +349,17 @@ std::optional<Start> Resampling::find_start() {
     std::optional<Start> found = make_start();
     if (!found || renewal) // where it kept to the old mesh, that may be sound all the same
         return found;
-    for (int attempt = 0; attempt < options.attempts && !found->intact && !monitor.stopped(); ++attempt) {
-        const std::vector<int> planes = lost_planes(found->cloud, found->complex, reference, options.sizing);
-        found->touched.insert(found->touched.end(), planes.begin(), planes.end());
-        refine(found->cloud, found->touched, reference, sizing_);
+    const auto whole = [](const Start &start) { return start.intact && start.strange.empty(); };
+    for (int attempt = 0; attempt < options.attempts && !whole(*found) && !monitor.stopped(); ++attempt) {
+        std::vector<int> finer = found->strange;
+        if (!found->intact) {
+            const std::vector<int> planes = lost_planes(found->cloud, found->complex, reference, options.sizing);
+            finer.insert(finer.end(), found->touched.begin(), found->touched.end());
+            finer.insert(finer.end(), planes.begin(), planes.end());
+        }
+        refine(found->cloud, finer, reference, sizing_);
         std::optional<Start> next = make_start();
-        if (next && (next->intact || next->wrong() < found->wrong()))
+        if (next && next->rank() < found->rank())
             found = std::move(next);
     }
     if (found->intact && too_many_off(*found) && !monitor.stopped()) {

@@ -58,7 +58,7 @@ struct ResampleOptions {
     static constexpr int iterations = 15; // of L-BFGS per round
     static constexpr double reach = 0.1;  // longest step of a point, in sizes
     static constexpr int rings = 2;       // of tets round what is short of a margin that descend too, deep inside
-    /// More where the domain was not met, with smaller sizes where its sheets touched each other or were cut across.
+    /// More where the domain was not met or parts are cut through, with smaller sizes there and where sheets touched.
     static constexpr int attempts = 2;
     static constexpr int trials = 1; // of the deviation, before the real run
     static constexpr int trial_sweeps = 8;
