@@ -128,6 +128,7 @@ sampling::ResampleOptions options_of(nb::handle asked, std::size_t surface_point
         options.sizing.most = sizes_of(*most, surface_points, "surface_size");
     options.sizing.limits = places_of<domain::SizeLimit>(attribute<Array>(asked, "finer_at"), "finer_at",
                                                          attribute<Array>(asked, "finer_size"), "finer_size");
+    options.sizing.one_row = attribute<bool>(asked, "one_row");
     options.cosines = attribute<bool>(asked, "cosines");
     options.seed = attribute<std::uint64_t>(asked, "seed");
     return options;
@@ -212,7 +213,7 @@ Returns
 -------
 ResampleResult
     The label of a corner is its surface point. Points of the surface that are buried inside count as interior.
-    No tets where it was stopped before there were any. The same input and seed give the same bits.
+    No tets where it was stopped before there were any, or with `one_row` false where there is no layer for one. The same input and seed give the same bits.
 
 Raises
 ------

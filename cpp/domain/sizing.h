@@ -24,6 +24,7 @@ struct SizingForm {
     double thickness = 0.8;    // size per local thickness
     double gap = 1.0;          // size per distance to the other side of a gap outside
     bool sharp = true;         // shorter edges along sharp edges
+    bool one_row = true;       // of tets through layers at interfaces where edges are long; else three
     double coarsen = 1.0;      // how far inside sizes may exceed the input's own
     std::vector<double> most;  // longest edges wanted per point of the surface; empty: as inside
     std::vector<SizeLimit> limits;
@@ -86,6 +87,8 @@ class Sizing {
     std::vector<double> surface;
     void grade();
 
+    /// Whether there is a layer at an interface where edges are long enough for one row of tets.
+    bool has_rows() const { return has_rows_; }
     /// How thick the layer is through which one row of tets goes at a vertex of the surface, 0 where there is none.
     double layer(int vertex) const { return layer_[vertex]; }
     /// The thicker one of those at the ends of a curve.
@@ -130,6 +133,13 @@ class Sizing {
         std::array<double, 2> wall;  // behind the triangle and before it: from a plane, or between outer sides
         std::array<double, 2> apart; // the same of sides of any kind
         double layer;                // of a layer through which one row of tets goes
+        bool row;                    // where an interface is a side of such a layer, or would be
+    };
+    /// A layer between two parallel patches through which one row of tets may go: how thick it is, infinite where there
+    /// is none, and whether an interface or a sheet is one of the two.
+    struct Row {
+        double thickness;
+        bool inner;
     };
     /// Whether a triangle has a corner on a layer of one row.
     bool at_layer(int triangle) const;
@@ -137,9 +147,8 @@ class Sizing {
     bool bent_inside(int triangle) const;
     /// How deep sizes do not grow from a triangle, behind it and before it.
     std::array<double, 2> flat_depths(int triangle, double size) const;
-    /// The thickness of the layer between two parallel patches on a side of a triangle, where one row of tets goes
-    /// through it; else infinite. `wanted`: the size that all but curvature allows there.
-    double row_at(int triangle, int side, double wanted) const;
+    /// The layer on a side of a triangle. `wanted`: the size that all but curvature allows there.
+    Row row_at(int triangle, int side, double wanted) const;
     /// What is farther than `reach` is not seen.
     Thickness thickness_at(int triangle, double wanted, double reach) const;
     /// The edge near p at which sides so far apart there meet, none if they do not. It is looked for as far as at
@@ -159,6 +168,7 @@ class Sizing {
     std::vector<double> input_; // per input point
     double volume_ = 0.0;       // of the input
     bool uniform_ = false;
+    bool has_rows_ = false;
     std::vector<double> limit_;
     std::vector<double> patch_area_;
     std::vector<double> curved_; // what curvature allows per point of the surface, infinite where it is flat

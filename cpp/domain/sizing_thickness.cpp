@@ -17,6 +17,10 @@ constexpr double kParallelLayer = 0.98; // cosine between the sides of a layer: 
 /// Size per thickness of a layer whose sides are parallel where longer edges are wanted. One row of tets goes through
 /// it, as in the tiling of a slab (Walkington and VanderZee), whose edges are 1.35 to 1.8 thicknesses long.
 constexpr double kLayer = 1.4;
+/// The same for three rows, as of the body-centred lattice between four of its (110) planes: 1.05 cells in 3 / sqrt 2
+/// of them. With sizes between that and one row, facets on one side must suit those on the other through the points of
+/// one plane, and a third of the tets of such layers start bad at interfaces, where tets beyond hold their facets.
+constexpr double kThreeRows = 0.495;
 constexpr double kBroad = 12.0; // least area of its sides, in squares of the thickness
 /// Least size allowed, in thicknesses, for that, and least size wanted at an interface, as rows have to suit what is
 /// beyond. Of shorter edges two rows are better.
@@ -41,11 +45,12 @@ bool Sizing::tapered(const Vec3 &p, double thickness) const {
     return closing(sharp_, p, thickness, 0.25).edge >= 0; // 14 degrees
 }
 
-double Sizing::row_at(int triangle, int side, double wanted) const {
+Sizing::Row Sizing::row_at(int triangle, int side, double wanted) const {
     const auto &data = reference_.data();
     const int own = data.patch[triangle], between = data.sides[own][side];
+    constexpr Row none{kInfinity, false};
     if (between < 0)
-        return kInfinity;
+        return none;
     const auto &[a, b, c] = data.triangles[triangle];
     const Vec3 center = (1.0 / 3.0) * (data.points[a] + data.points[b] + data.points[c]);
     const Vec3 inward = (side == 0 ? -1.0 : 1.0) * reference_.normal(triangle);
@@ -53,9 +58,10 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
     int hit = -1;
     const double far = reference_.ray(center, inward, reference_.ray_start(), kRoom * allowed / kCoarse, hit);
     if (hit < 0 || allowed < kCoarse * far || patch_area_[own] < kBroad * far * far)
-        return kInfinity;
-    if ((reference_.inner(own) || reference_.inner(data.patch[hit])) && wanted < kCoarseInside * far)
-        return kInfinity;
+        return none;
+    const bool inner = reference_.inner(own) || reference_.inner(data.patch[hit]);
+    if (inner && wanted < kCoarseInside * far)
+        return none;
     // Facets of curved sides lie across each other, so smooth normals are compared. Those of interfaces and sheets run
     // either way: what counts is which side the layer is on.
     const Vec3 here = reference_.smooth_normal(reference_.nearest(center, own, triangle));
@@ -63,7 +69,7 @@ double Sizing::row_at(int triangle, int side, double wanted) const {
     const auto &[behind, before] = data.sides[data.patch[hit]];
     const double along = (side == 0 ? -1.0 : 1.0) * dot(here, there);
     const double outward = behind == before ? std::fabs(along) : behind == between ? along : -along;
-    return outward > kParallelLayer ? far : kInfinity;
+    return outward > kParallelLayer ? Row{far, inner} : none;
 }
 
 Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach) const {
@@ -80,7 +86,7 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
     const Vec3 u = across(n);
     const Vec3 v = cross(n, u);
     const int own = data.patch[triangle];
-    Thickness thickness{kInfinity, {kInfinity, kInfinity}, {kInfinity, kInfinity}, kInfinity};
+    Thickness thickness{kInfinity, {kInfinity, kInfinity}, {kInfinity, kInfinity}, kInfinity, false};
     for (int side = 0; side < 2; ++side) {
         // Across a gap outside no tets are wanted: facets only must be too small to reach over.
         const bool outside = data.sides[own][side] < 0;
@@ -104,9 +110,13 @@ Sizing::Thickness Sizing::thickness_at(int triangle, double wanted, double reach
         std::nth_element(walls.begin(), walls.begin() + kRank, walls.end());
         const double tolerance = std::min({form_.tolerance_at(a), form_.tolerance_at(b), form_.tolerance_at(c)});
         const double narrow = form_.gap * std::max(hits[kRank], form_.narrowest * tolerance);
-        const double row = row_at(triangle, side, wanted);
-        const double limit = outside ? narrow : row < kInfinity ? kLayer * row : form_.thickness * hits[kRank];
-        thickness.layer = std::min(thickness.layer, row);
+        const Row row = row_at(triangle, side, wanted);
+        const bool three = row.inner && !form_.one_row;
+        const double inside =
+            row.thickness < kInfinity ? (three ? kThreeRows : kLayer) * row.thickness : form_.thickness * hits[kRank];
+        const double limit = outside ? narrow : inside;
+        thickness.layer = std::min(thickness.layer, three ? kInfinity : row.thickness);
+        thickness.row = thickness.row || row.inner;
         thickness.limit = std::min(thickness.limit, limit);
         if (!outside) {
             thickness.wall[side] = walls[kRank];
@@ -136,7 +146,7 @@ void Sizing::limit_by_thickness(const Workers &workers) {
     const auto &data = reference_.data();
     std::vector<double> thin(data.triangles.size());
     std::vector<double> layers(data.triangles.size(), kInfinity);
-    std::vector<char> measured(data.triangles.size(), 0);
+    std::vector<char> measured(data.triangles.size(), 0), rows(data.triangles.size(), 0);
     wall_.assign(data.triangles.size(), {kInfinity, kInfinity});
     apart_.assign(data.triangles.size(), {kInfinity, kInfinity});
     patch_area_.assign(data.sides.size(), 0.0);
@@ -158,6 +168,7 @@ void Sizing::limit_by_thickness(const Workers &workers) {
             const bool bent = bent_inside(static_cast<int>(t));
             const Thickness here = thickness_at(static_cast<int>(t), size, (bent ? far_bent : far) * size);
             layers[t] = here.layer;
+            rows[t] = here.row;
             thin[t] = here.limit;
             apart_[t] = here.apart;
             for (int side = 0; side < 2; ++side)
@@ -176,6 +187,7 @@ void Sizing::limit_by_thickness(const Workers &workers) {
         if (measured[t] && thin[t] >= size_at(t) && (limited[a] || limited[b] || limited[c]))
             thin[t] = thickness_at(static_cast<int>(t), size_at(t), kInfinity).limit;
     });
+    has_rows_ = std::find(rows.begin(), rows.end(), 1) != rows.end();
     layer_.assign(data.points.size(), 0.0);
     for (std::size_t t = 0; t < layers.size(); ++t)
         if (layers[t] < kInfinity)

@@ -384,6 +384,8 @@ Resampled resample(domain::Reference &reference, const domain::InputMesh &mesh, 
     if (held)
         held->set_sizes(sizing);
     watch.lap("sizing");
+    if (!options.sizing.one_row && !sizing.has_rows())
+        return result;
     if (options.expected && !renewal && !options.expected(estimate_tets(reference, mesh, sizing, workers)))
         return result;
     watch.lap("estimate");

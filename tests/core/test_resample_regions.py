@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.boxes import box
 from support.core_meshes import completely_well_centered, start, volumes
-from support.gmsh_bodies import ball_in_box, random_body, via
+from support.gmsh_bodies import ball_in_box, layered_box, random_body, via
 
 from wct_plugin.core import _core
 from wct_plugin.core.domain import RegionMesh, StratifiedSurface
@@ -39,6 +39,22 @@ def test_a_few_shorter_edges_on_the_surface_leave_the_lattice_inside_as_it_is(tw
     ]
     fewer, more = (len(found.mesh.tets) for found in starts)
     assert more / fewer < (0.1 / 0.0975) ** 3 + 0.1
+
+
+def test_three_rows_go_through_a_layer_where_one_would_and_nowhere_else(two_regions, tmp_path):
+    thickness = 0.05
+    mesh = layered_box(tmp_path, thickness, 0.15)
+    own = own_boundary(mesh, 40.0)
+    one, three = (start(mesh, own, one_row=single) for single in (True, False))
+    assert one.intact
+    assert three.intact
+    points, facets = three.mesh.points, TetMesh(three.mesh.points, three.mesh.tets, three.mesh.regions)
+    corners = points[facets.topology.interfaces]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert edges.mean() == pytest.approx(0.495 * thickness, rel=0.15)
+    assert completely_well_centered(points, three.mesh.tets).mean() > 0.9
+    assert 2 < len(three.mesh.tets) / len(one.mesh.tets) < 12
+    assert not len(start(two_regions, own_boundary(two_regions, 40.0), one_row=False).mesh.tets)
 
 
 def test_two_regions_share_an_interface():

@@ -119,6 +119,13 @@ def test_other_starts_are_not_much_larger_than_the_first():
     assert not limit.expect(3 * 20_000 + 1)
 
 
+def test_starts_with_more_rows_through_layers_may_be_larger():
+    limit = TetLimit(None, 100, Listener(lambda _: True, 0))
+    assert limit.expect(20_000)
+    assert limit.expect_more_rows(10 * 20_000)
+    assert not limit.expect_more_rows(10 * 20_000 + 1)
+
+
 def test_of_few_tets_there_may_be_many_times_more():
     limit = TetLimit(None, 100, Listener(lambda _: True, 0))
     assert limit.expect(200)

@@ -26,6 +26,8 @@ class ResampleOptions:
     finer_at: Floats = field(default_factory=_no_points)  #: (k, 3) places round which
     finer_size: Floats = field(default_factory=_no_numbers)  #: (k,) edges are no longer than this
     cosines: bool = True  #: triangles are to be acute, too
+    one_row: bool = True
+    """Of tets through layers at interfaces where edges are long; else three, and no tet where there is no such layer"""
     gap: float = 1.0  #: how long edges beside a gap outside may be, in widths of the gap
     seed: int = 1
 

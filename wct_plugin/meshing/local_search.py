@@ -60,6 +60,10 @@ _TOO_FEW_POINTS = 0.05
 #: Where more than this share of such a mesh's first start is stuck, as where parts are few edges wide, one that is
 #: finer there is tried at once: it comes right, or all work goes into the better of the two.
 _ANOTHER = 0.018
+#: Where more than this share of a body's first start is stuck at corners, and there are layers at interfaces with one
+#: row of tets, a start with three rows is tried at once: kicks hardly help at the corners of a single row, elsewhere
+#: they do.
+_STUCK_AT_CORNERS = 0.0006
 #: A surface that is a tolerance beyond the tolerance is as bad as so many bad tets.
 _MOVED = 10.0
 #: How many partial restarts are tried, each with wider zones, before all of a mesh is made anew.
@@ -180,13 +184,14 @@ class LocalSearch:
                 surface_size=lengths.surface,
                 finer_at=finer.at,
                 finer_size=finer.size,
+                one_row=lengths.one_row,
                 cosines=self.acute,
                 seed=self.seed + 1 + attempt,
             ),
             kept=restart and restart.request,
             held=self.held and self.held.request,
             progress=self.listen.resample,
-            expected=self.limit.expect,
+            expected=self.limit.expect if lengths.one_row else self.limit.expect_more_rows,
         )
         self.work.add_start(found.work)
         if not len(found.mesh.tets) or self.listen.stopped or not self.limit.takes(len(found.mesh.tets)):
@@ -252,6 +257,8 @@ class LocalSearch:
             self.work.lead_to(len(fewest.mesh.tets))
             if self.listen.stopped or last or not self.work.left:
                 return tried
+            if len(tried) == 2 and fewest is tried[0]:
+                lengths = lengths._replace(one_row=True)
             if not len(fewest.stuck):
                 done = len(tried) > _FINER or self.areas is None or self.areas.holds(fewest)
                 again = None if done else self.resampled(on, tolerance, lengths, finer, attempt=len(tried))
@@ -259,6 +266,11 @@ class LocalSearch:
                     return tried
                 start, gone, (worth, part) = again, gone[:0], (self.worth, 1.0)
                 continue
+            if self._tries_more_rows(on, tried):
+                again = self.resampled(on, tolerance, lengths._replace(one_row=False), attempt=len(tried))
+                if again is not None:
+                    start, gone, lengths = again, gone[:0], lengths._replace(one_row=False)
+                    continue
             more = self._more_of(on, tried) if worth == self.worth else None
             if more is not None:
                 start, gone, (worth, part) = fewest.mesh, fewest.released, more
@@ -307,6 +319,13 @@ class LocalSearch:
         if stuck > _MANY_STUCK or last is not best(tried) or self._tries_another(on, tried):
             return None
         return (np.inf, _MOST) if stuck > _FEW_STUCK else patient
+
+    @staticmethod
+    def _tries_more_rows(on: Reference, tried: list[SearchResult]) -> bool:
+        """Whether a start with more rows through layers, where it has any, is made before the first search goes on."""
+        mesh, stuck = tried[0].mesh, tried[0].stuck
+        at_corners = int((mesh.stratum[mesh.tets[stuck]] == 3).any(axis=1).sum())
+        return len(tried) == 1 and len(on.regions) > 1 and at_corners > _STUCK_AT_CORNERS * len(mesh.tets)
 
     def _tries_another(self, on: Reference, tried: list[SearchResult]) -> bool:
         """Whether a finer start is made before the search from the first goes on."""

@@ -25,6 +25,7 @@ class Lengths(NamedTuple):
 
     inside: Floats | None = None  #: (n,) per point of the mesh, None: its own
     surface: Floats | None = None  #: (s,) the longest per point of the surface, None: as inside
+    one_row: bool = True  #: of tets through layers at interfaces where these are long; else three
 
 
 def longest_edges(mesh: TetMesh, own: Reference, on: Reference, factor: float) -> Floats:

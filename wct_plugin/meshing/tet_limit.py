@@ -15,6 +15,9 @@ _MANY, _TIMES = 2_000_000, 20
 #: Another start is expected to have at most so many times the tets of the first, or of what came: with more, of several
 #: thousand, more are left bad, and each that is finer still takes several times the work. Of few there may be more.
 _GROWTH, _FEW = 3.0, 25_000
+#: The same of a start with three rows of tets through layers where the first had one, which is so much easier that it
+#: takes no longer.
+_GROWTH_IN_LAYERS = 10.0
 
 
 class TetLimit:
@@ -33,9 +36,16 @@ class TetLimit:
 
     def expect(self, tets: float) -> bool:
         """Hear about how many tets a start will have; whether to make it."""
+        return self._begins(tets, _GROWTH)
+
+    def expect_more_rows(self, tets: float) -> bool:
+        """The same of a start with more rows through layers."""
+        return self._begins(tets, _GROWTH_IN_LAYERS)
+
+    def _begins(self, tets: float, growth: float) -> bool:
         if self.expected is None:
             self.expected = round(tets)
-        elif tets > max(_FEW, _GROWTH * max(self.expected, self._came)):
+        elif tets > max(_FEW, growth * max(self.expected, self._came)):
             return False
         begun = max(_MANY, _TIMES * self._came) if self.most is None else _SURELY * self.most
         if tets > begun:

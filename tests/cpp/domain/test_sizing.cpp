@@ -221,6 +221,29 @@ TEST_CASE("Sizing: one row goes through a layer where long edges are wanted, and
     }
 }
 
+TEST_CASE("Sizing: three rows may go through a layer instead of one, and nowhere else") {
+    constexpr double thick = 0.0625, share = 0.8;
+    const double three_rows = 1.05 / (3.0 * std::sqrt(0.5)); // (110) planes of a lattice of cells of 1 / 1.05 edges
+    const Body body = cube(16, 0.0, 1, 1.0 - thick);
+    domain::SizingForm form;
+    form.tolerance = 1e-3;
+    form.one_row = false;
+    for (const bool coarse : {false, true}) {
+        const std::vector<double> wanted(body.points.size(), (coarse ? 2.0 : 1.6) * thick);
+        const Sized one(body, form, wanted);
+        CHECK(one.sizing.has_rows() == coarse);
+        for (const double x : {1.0 - thick, 1.0})
+            CHECK(one.sizing.at({x, 0.5, 0.5}) == doctest::Approx((coarse ? three_rows : share) * thick).epsilon(0.01));
+        for (int v = 0; v < static_cast<int>(body.points.size()); ++v)
+            CHECK(one.sizing.layer(v) == 0.0);
+    }
+    // Where no interface is a side of the layer one row comes right.
+    form.tolerance = 6e-3;
+    const Sized plate(bent_plate(0.06), form, std::vector<double>(13 * 13 * 13, 0.4));
+    CHECK_FALSE(plate.sizing.has_rows());
+    CHECK(plate.sizing.at({0.0, 1.03, 0.5}) == doctest::Approx(1.4 * 0.06).epsilon(0.02));
+}
+
 TEST_CASE("Sizing: a place that asks for short edges gets them, and its surroundings follow") {
     domain::SizingForm form;
     form.tolerance = 0.01;
