@@ -144,8 +144,7 @@ void Sizing::limit_to_mean(const std::vector<double> &thin, const std::vector<ch
 
 void Sizing::limit_by_thickness(const Workers &workers) {
     const auto &data = reference_.data();
-    std::vector<double> thin(data.triangles.size());
-    std::vector<double> layers(data.triangles.size(), kInfinity);
+    std::vector<double> thin(data.triangles.size()), layers(data.triangles.size(), kInfinity);
     std::vector<char> measured(data.triangles.size(), 0), rows(data.triangles.size(), 0);
     wall_.assign(data.triangles.size(), {kInfinity, kInfinity});
     apart_.assign(data.triangles.size(), {kInfinity, kInfinity});

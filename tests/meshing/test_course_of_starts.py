@@ -19,14 +19,21 @@ MESH = two_region_cube(8)
 OWN = own_boundary(MESH, 40.0)
 START = search_mesh.from_mesh(MESH, OWN, pinned=False)
 TETS = len(MESH.tets)
+AT_CORNERS = (START.stratum[START.tets] == 3).any(axis=1)
 
 
 class Scripted(LocalSearch):
     """Searches leave as many tets stuck as is written down, in that order, and every start can be made."""
 
-    def follow(self, stuck):
-        """What is done: searches by the part of the work, starts by their kind; and how many results there are."""
+    def follow(self, stuck, *, layers=False, at_corners=True):
+        """What is done: searches by the part of the work, starts by their kind; and how many results there are.
+
+        ``layers``: whether there are any with one row of tets, through which three may go. ``at_corners``: whether it
+        is there that tets are stuck, as long as there are any.
+        """
+        object.__setattr__(self, "rows", np.argsort(at_corners != AT_CORNERS, kind="stable"))
         object.__setattr__(self, "script", list(stuck))
+        object.__setattr__(self, "layers", layers)
         object.__setattr__(self, "course", [])
         results = self.run_finer(START, OWN, Tolerance(1e-3), Lengths())
         assert not self.script
@@ -37,9 +44,13 @@ class Scripted(LocalSearch):
         self.course.append((kind, part))
         bad = self.script.pop(0)
         self.work.add_search(1, stuck=bad)
-        return SearchResult(START, bad, np.arange(bad), 0.0, 0, 0, 0, 0, 1, stopped=False, released=NONE)
+        return SearchResult(START, bad, self.rows[:bad], 0.0, 0, 0, 0, 0, 1, stopped=False, released=NONE)
 
     def resampled(self, on, tolerance, lengths, finer=None, restart=None, attempt=0):
+        if not lengths.one_row:
+            if self.layers:
+                self.course.append(("rows", 0 if finer is None else len(finer.at)))
+            return START if self.layers else None
         self.course.append(("whole" if restart is None else "partial", len(finer.at)))
         return START
 
@@ -79,3 +90,21 @@ def test_where_many_are_stuck_a_finer_start_is_tried_first(search):
     course, _ = search.follow([TETS // 40, 10, 0])
     assert course[:3] == [("search", 1.0), ("whole", TETS // 40), ("search", 1.0)]
     assert course[3:] == [("on", 0.75)]
+
+
+def test_where_corners_of_layers_are_stuck_more_rows_are_tried_first(search):
+    course, results = search.follow([20, 0], layers=True)
+    assert course == [("search", 1.0), ("rows", 0), ("search", 1.0)]
+    assert results == 2
+
+
+def test_the_better_of_one_row_and_three_goes_on(search):
+    course, _ = search.follow([20, 4, 4, 0], layers=True)
+    assert course[3:] == [("longer", 0.4), ("rows", 4), ("search", 1.0)]
+    course, _ = search.follow([20, 21, 0], layers=True)
+    assert course[3:] == [("on", 1.0)]  # with one row
+
+
+def test_what_is_stuck_off_corners_needs_no_more_rows(search):
+    course, _ = search.follow([20, 4, 0], layers=True, at_corners=False)
+    assert course == [("search", 1.0), ("on", 0.75), ("whole", 4), ("search", 1.0)]
