@@ -213,7 +213,8 @@ Returns
 -------
 ResampleResult
     The label of a corner is its surface point. Points of the surface that are buried inside count as interior.
-    No tets where it was stopped before there were any, or with `one_row` false where there is no layer for one. The same input and seed give the same bits.
+    No tets where it was stopped before there were any, or with ``one_row`` false where there is no layer for one. The
+    same input and seed give the same bits.
 
 Raises
 ------

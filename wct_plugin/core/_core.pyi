@@ -187,7 +187,8 @@ def resample(surface: wct_plugin.core.domain.StratifiedSurface, mesh: wct_plugin
     -------
     ResampleResult
         The label of a corner is its surface point. Points of the surface that are buried inside count as interior.
-        No tets where it was stopped before there were any, or with `one_row` false where there is no layer for one. The same input and seed give the same bits.
+        No tets where it was stopped before there were any, or with ``one_row`` false where there is no layer for one. The
+        same input and seed give the same bits.
 
     Raises
     ------

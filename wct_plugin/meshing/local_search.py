@@ -267,9 +267,10 @@ class LocalSearch:
                 start, gone, (worth, part) = again, gone[:0], (self.worth, 1.0)
                 continue
             if self._tries_more_rows(on, tried):
-                again = self.resampled(on, tolerance, lengths._replace(one_row=False), attempt=len(tried))
+                three = lengths._replace(one_row=False)
+                again = self.resampled(on, tolerance, three, attempt=len(tried))
                 if again is not None:
-                    start, gone, lengths = again, gone[:0], lengths._replace(one_row=False)
+                    start, gone, lengths = again, gone[:0], three
                     continue
             more = self._more_of(on, tried) if worth == self.worth else None
             if more is not None:
@@ -323,9 +324,11 @@ class LocalSearch:
     @staticmethod
     def _tries_more_rows(on: Reference, tried: list[SearchResult]) -> bool:
         """Whether a start with more rows through layers, where it has any, is made before the first search goes on."""
+        if len(tried) > 1 or len(on.regions) == 1:
+            return False
         mesh, stuck = tried[0].mesh, tried[0].stuck
         at_corners = int((mesh.stratum[mesh.tets[stuck]] == 3).any(axis=1).sum())
-        return len(tried) == 1 and len(on.regions) > 1 and at_corners > _STUCK_AT_CORNERS * len(mesh.tets)
+        return at_corners > _STUCK_AT_CORNERS * len(mesh.tets)
 
     def _tries_another(self, on: Reference, tried: list[SearchResult]) -> bool:
         """Whether a finer start is made before the search from the first goes on."""
